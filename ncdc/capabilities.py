@@ -1,4 +1,4 @@
-"""What NCDC can do on this machine: for each purpose what is missing, and the line to type.
+"""Capabilities of NCDC on this machine: for each purpose what is missing, and the line to type.
 
 Only the standard library is imported: it must work where a package is missing.
 """
@@ -25,7 +25,7 @@ _SECONDS = 20       # a program that takes longer to answer does not work
 
 @dataclass(frozen=True)
 class Missing:
-    """One thing that is not there: its name, and what to type or to do about it."""
+    """One thing that is missing: its name, and the line to type or the step to take."""
     what: str
     line: str
 
@@ -68,8 +68,9 @@ def missing(capability):
 
 
 def packages_of(extra):
-    """Names of the packages of a group of NCDC, as its metadata has them, those of groups in it
-    included; "": the packages that it always needs.
+    """Names of the packages of a group of NCDC and of the groups in it, from NCDC's metadata.
+
+    "": the packages that NCDC always needs.
     """
     names = []
     for line in metadata.requires("ncdc") or ():

@@ -1,11 +1,11 @@
-"""What long work shows on the terminal."""
+"""Progress of long work on the terminal."""
 
 import sys
 
 __all__ = ["Progress", "Steps", "end_line", "percent", "say"]
 
 
-_QUARTER = 25           # per cent between two words on progress where no terminal is
+_QUARTER = 25           # per cent between two figures of progress in a log
 _open = None            # the stream whose last line is progress that goes on
 
 
@@ -24,8 +24,10 @@ def end_line():
 
 
 class Progress:
-    """Tells on stderr how far a long step is, in one line: kept up to date on a terminal, elsewhere
-    with a word per quarter, which a log shows as it grows."""
+    """Prints the progress of a long step on stderr, in one line.
+
+    A terminal's line is rewritten; a log gets a figure for each quarter, as it grows.
+    """
 
     def __init__(self, name):
         self.name, self.shown = name, None
@@ -41,7 +43,7 @@ class Progress:
         if self.terminal:
             text = f"\r{self.name}: {percent:3d} %{note}   "
         else:
-            # What was said in between has ended the line.
+            # A sentence in between has ended the line.
             start = "" if self.shown is not None and _open is sys.stderr else f"{self.name}:"
             text = f"{start} {percent} %" + (note if fraction >= 1 else "")
         self.shown = percent
@@ -50,8 +52,10 @@ class Progress:
 
 
 class Steps:
-    """Tells on stderr which step of the work called ``name`` is running: one line kept up to date
-    on a terminal, elsewhere a line each, or nothing if ``quiet``."""
+    """Prints on stderr which step of the work called ``name`` is running.
+
+    A terminal's line is rewritten; elsewhere each step has a line, or none if ``quiet``.
+    """
 
     def __init__(self, name, quiet=False):
         self.name, self.quiet = name, quiet

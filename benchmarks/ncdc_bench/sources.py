@@ -1,4 +1,4 @@
-"""Digest of the source files behind a result: what is kept is made anew when they change."""
+"""Digest of the source files that a cached result depends on: a change invalidates it."""
 
 import ast
 import hashlib

@@ -1,1 +1,1 @@
-"""What runs on a user's PC: the client of devices, and an emulated device."""
+"""Programs for a user's PC: the client of devices, and an emulated device."""

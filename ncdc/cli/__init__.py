@@ -27,7 +27,7 @@ class _Parser(argparse.ArgumentParser):
 def parser(command=None):
     """The argument parser of one command, by its name; of all if ``command`` is no such name.
 
-    What the others import takes a second, of which the one that runs has no use.
+    The imports of the other commands take a second, and the command that runs needs none of them.
     """
     top, commands = _top()
     for name in (command,) if command in COMMANDS else COMMANDS:
@@ -48,7 +48,7 @@ def _overview():
 
 
 def _top():
-    """Parser of the options that belong to no command, and the place of the commands' parsers."""
+    """Parser of the options that belong to no command, and the group of the commands' parsers."""
     top = _Parser(prog="ncdc", description=(
         "From one photo of a calibration target to hardware that straightens the picture."))
     top.add_argument("--version", action="version", version=f"NCDC {version('ncdc')}")
@@ -86,7 +86,7 @@ def main(arguments=None):
         say(f"ncdc {name or ''}".rstrip() + ": interrupted")
         return _INTERRUPTED
     except BrokenPipeError:
-        # The reader of our output has left; nothing more can be said to it.
+        # The reader of stdout has closed the pipe: nothing more can be written to it.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 1
 
@@ -118,8 +118,10 @@ def _run(name, args):
 
 
 def _ignore_unused():
-    """Silence Amaranth's warning of components that are made and not elaborated: of a corrector
-    that is planned for, only the clocks are asked."""
+    """Silence Amaranth's warning about components that are never elaborated.
+
+    The planner creates a corrector only to ask for its clocks.
+    """
     import warnings
 
     from amaranth.hdl import UnusedElaboratable

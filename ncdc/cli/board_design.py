@@ -21,7 +21,7 @@ def add_mode(parser):
     """Declare the option --mode."""
     parser.add_argument("--mode", metavar="WxH[@20]",
                         help="video mode (default: the smallest that holds the picture); @20: of "
-                             "20 pictures a second")
+                             "20 frames per second")
 
 
 def board_named(name):
@@ -38,42 +38,41 @@ def board_named(name):
 
 def designed(board, named, *, sensor=None, mode=None, fixed=Fixed(None, None, None), lanes=1,
              settings=None, processor=False):
-    """A board's design, the sensor's set-up and place, the memory's budget, a line on the tile
-    cache.
+    """A board's design, its sensor and crop, the memory's budget, a line on the tile cache.
 
     Parameters
     ----------
     board : Board
     named : sequence of (path, Descriptor)
     sensor, mode : str, optional
-        Names; the D5M's sensor, and the smallest mode that holds the picture.
+        Names. Defaults: the D5M's sensor, and the smallest mode that holds the picture.
     fixed : Fixed
-        What is fixed of the tile cache.
+        Settings of the tile cache that are fixed.
     lanes : int
         Pixels per clock.
     settings : dict, optional
-        Of the sensor, ``exposure_us``, ``pixel_clock_hz`` and ``field``; 10 ms, its clock
-        undivided, all that fits.
+        ``exposure_us``, ``pixel_clock_hz`` and ``field`` of the sensor. Defaults: 10 ms, its clock
+        undivided, the largest field that fits.
     processor : bool
         With a processor and Ethernet; a board without a screen always is.
 
     Raises
     ------
     InputError
-        If a mode is asked for where there is no screen, the picture does not fit the mode, the mode
-        the board, or the frames the memory.
+        If a mode is given without a screen. If the picture does not fit the mode, the mode does not
+        fit the board, or the frames do not fit the memory.
     """
     geometry = named[0][1].geometry
     wanted = _mode(board, geometry, mode)
-    # The clocks first: they are checked at once, and what follows takes seconds.
+    # The clocks first: they are checked at once, and planning takes seconds.
     board.clock_plan(wanted, board.core_mhz)
-    placed = sensor_for(sensor or _BAYER_SENSOR, geometry,
+    sensor_crop = sensor_for(sensor or _BAYER_SENSOR, geometry,
                         **{"exposure_us": 10_000.0, "field": FULL} | (settings or {}))
     check_lanes(board, hardware_for(board), lanes)
     hardware, line = planned(hardware_for(board, lanes), fixed, named[0][1])
-    design = design_of(board, named, placed, wanted, hardware=hardware,
+    design = design_of(board, named, sensor_crop, wanted, hardware=hardware,
                        processor=processor or not board.screen)
-    return design, placed, check_memory(design, placed[0]), line
+    return design, sensor_crop, check_memory(design, sensor_crop[0]), line
 
 
 def _mode(board, geometry, name):
@@ -82,17 +81,17 @@ def _mode(board, geometry, name):
         if name:
             raise InputError(f"the mode {name} is asked for, the board {board.name} has no screen")
         return None
-    least = mode_for(*geometry.corrected)
-    wanted = mode_named(name) if name else least
+    smallest = mode_for(*geometry.corrected)
+    wanted = mode_named(name) if name else smallest
     if not wanted.holds(*geometry.corrected):
         raise InputError(f"the picture has {geometry.corrected_width}x"
                          f"{geometry.corrected_height} pixels, the mode {name} does not hold "
-                         f"it: {least.name} does")
+                         f"it: {smallest.name} does")
     return wanted
 
 
 def rates(budget):
-    """What memory and sensor carry, by name."""
+    """Rates of memory and sensor, by name."""
     return {"memory_mb_per_second": budget.carried / 1e6,
             "screen_mb_per_second": budget.screen / 1e6,
             "sensor_frames_per_second": budget.frames_per_second,
@@ -101,5 +100,5 @@ def rates(budget):
 
 def print_rates(report):
     """:func:`rates` for people."""
-    print(f"the sensor sends {report['sensor_frames_per_second']:.1f} frames a second, memory for "
-          f"{report['corrected_frames_per_second']:.1f} corrected ones")
+    print(f"the sensor sends {report['sensor_frames_per_second']:.1f} frames per second, memory "
+          f"for {report['corrected_frames_per_second']:.1f} corrected ones")

@@ -34,7 +34,7 @@ __all__ = ["EXAMPLE", "add_arguments", "run"]
 
 EXAMPLE = "ncdc build net.toml --board ulx3s -o board"
 
-_MOST_SEEDS = 20
+_MAX_SEEDS = 20
 
 
 def add_arguments(parser):
@@ -63,7 +63,8 @@ def add_arguments(parser):
                         help="MAC address of the processor, and its serial number: each board of "
                              "a network needs another one (default: 02:4e:0a:4d:00:0b)")
     parser.add_argument("--seeds", type=int, default=3, metavar="N",
-                        help="placements to try; the best is taken (default: 3; not for Quartus)")
+                        help="place-and-route runs with a seed each; the best counts "
+                             "(default: 3; not for Quartus)")
     parser.add_argument("-o", "--output", metavar="DIR",
                         help="folder to write to (default: the board's name)")
     add_json(parser)
@@ -71,8 +72,8 @@ def add_arguments(parser):
 
 def run(args):
     """Check, generate, synthesise, place, pack, write."""
-    if not 1 <= args.seeds <= _MOST_SEEDS:
-        raise InputError(f"seeds is {args.seeds}, 1 to {_MOST_SEEDS} are tried")
+    if not 1 <= args.seeds <= _MAX_SEEDS:
+        raise InputError(f"seeds is {args.seeds}, 1 to {_MAX_SEEDS} are tried")
     board = board_of(args.board)
     if not isinstance(board, HpsBoard):
         board = board_named(args.board)
@@ -93,7 +94,7 @@ def _open(args, board, named, output):
     """Make the bitstream by open tools."""
     check_tools()
     name = ecp5_name(board)
-    # Half an hour later would be late to say so.
+    # An output that cannot be written is reported before half an hour of work.
     check_outputs([output / f"{name}.bit"], args.descriptor)
     design, sensor, budget = _design(args, board, named)
     more = _processor(args, design, sensor) if design.processor else {}
@@ -107,11 +108,11 @@ def _open(args, board, named, output):
             nets = clock_nets(synthesise_board(files.rtlil, name, folder, more),
                               clock_cells(design))
             preferences = files.preferences + clock_preferences(nets, design.clocks.targets())
-            placements = []
+            runs = []
             for seed in range(1, args.seeds + 1):
                 steps(f"place and route: nextpnr, seed {seed} of {args.seeds}")
-                placements.append(place(folder, board.device, preferences, nets, seed))
-            best = max(placements, key=lambda placement: placement.slack)
+                runs.append(place(folder, board.device, preferences, nets, seed))
+            best = max(runs, key=lambda one: one.slack)
             _check_clocks(best, args.seeds)
             steps("packing the bitstream")
             bits = pack(folder, best.seed)
@@ -125,7 +126,7 @@ def _open(args, board, named, output):
         write_text(output / file, text)
     write_bytes(output / f"{name}.bit", bits)
     geometry = named[0][1].geometry
-    report = _report(args, best, placements, bits, budget, time.monotonic() - began)
+    report = _report(args, best, runs, bits, budget, time.monotonic() - began)
     report |= field_report(*sensor, geometry)
     report["files"] = [str(output / file) for file in (f"{name}.bit", *texts)]
     if not write_report(report, args.json):
@@ -140,8 +141,8 @@ def _quartus(args, board, named, output):
     more = _processor(args, design, sensor) if args.system else {}
     files = project_files(design, sensor[0], [name for name in more if name.endswith(".v")])
     files |= more | driver_files(design.system.corrector, named, design.system.table)
-    kept = (output / USER_FILE).exists()
-    if kept:
+    exists = (output / USER_FILE).exists()
+    if exists:
         del files[USER_FILE]
     for name, text in files.items():
         write_text(output / name, text)
@@ -150,7 +151,7 @@ def _quartus(args, board, named, output):
                          for name, mhz in design.clocks.targets().items()],
               **rates(budget), **field_report(*sensor, named[0][1].geometry),
               "files": [str(output / name) for name in files],
-              "kept": [str(output / USER_FILE)] if kept else []}
+              "kept": [str(output / USER_FILE)] if exists else []}
     if write_report(report, args.json):
         return
     for clock in report["clocks"]:
@@ -164,8 +165,8 @@ def _quartus(args, board, named, output):
 
 
 def _design(args, board, named):
-    """Design, the sensor's set-up and where raw frames begin on it, the memory's budget; InputError
-    for what does not fit."""
+    """Design, the sensor's configuration and crop, the memory's budget; InputError if they do not
+    fit."""
     design, sensor, budget, _ = designed(
         board, named, sensor=args.sensor, mode=args.mode, processor=args.system,
         settings={"exposure_us": args.exposure_us, "field": field_of(args),
@@ -191,28 +192,28 @@ def _processor(args, design, sensor):
 
 
 def _check_clocks(best, seeds):
-    """Raise InputError if a clock is missed by the best of the placements."""
+    """Raise InputError if the best place-and-route run does not meet timing."""
     for clock in best.clocks:
         if clock.slack < 0:
             raise InputError(
                 f"the clock {clock.name} reaches {clock.achieved_mhz:.1f} of "
-                f"{clock.target_mhz:.1f} MHz in the best of {seeds} placements: more --seeds, or a "
+                f"{clock.target_mhz:.1f} MHz in the best of {seeds} seeds: more --seeds, or a "
                 f"smaller network or interpolation, may fit")
 
 
-def _report(args, best, placements, bits, budget, seconds):
+def _report(args, best, runs, bits, budget, seconds):
     return {
         "board": args.board, "sensor": args.sensor,
         "clocks": [vars(clock) for clock in best.clocks], **resources(best),
         "seeds": [{"seed": one.seed, "slack": one.slack,
-                   "clocks": [vars(clock) for clock in one.clocks]} for one in placements],
+                   "clocks": [vars(clock) for clock in one.clocks]} for one in runs],
         "seed": best.seed, "bitstream_bytes": len(bits), "seconds": round(seconds, 1),
         **rates(budget)}
 
 
 def _print(report, field, bitstream, loaded):
-    """The report for people; ``field``: lines on that; ``loaded``: the board, as openFPGALoader
-    calls it."""
+    """Print the report; ``field``: its lines on the field; ``loaded``: openFPGALoader's name of the
+    board."""
     for clock in report["clocks"]:
         slack = 1 - clock["target_mhz"] / clock["achieved_mhz"]
         spare = 1000 / clock["target_mhz"] - 1000 / clock["achieved_mhz"]

@@ -33,8 +33,8 @@ def build_hps(args, board, named, output):
     design, setup, corner = _designed(args, board, named)
     files = project_files(design, setup, corner) | driver_files(design.system.corrector, named,
                                                                 design.system.table)
-    kept = (output / USER_FILE).exists()
-    if kept:
+    exists = (output / USER_FILE).exists()
+    if exists:
         del files[USER_FILE]
     for name, text in files.items():
         write_text(output / name, text)
@@ -44,13 +44,13 @@ def build_hps(args, board, named, output):
               "sensor_frames_per_second": setup.timing.frames_per_second,
               **field_report(setup, corner, named[0][1].geometry),
               "files": [str(output / name) for name in files],
-              "kept": [str(output / USER_FILE)] if kept else []}
+              "kept": [str(output / USER_FILE)] if exists else []}
     if write_report(report, args.json):
         return
     for clock in report["clocks"]:
         print(f"{clock['name']:>16}: {clock['target_mhz']:7.2f} MHz needed")
     print("\n".join(field_lines(setup, corner, named[0][1].geometry)))
-    print(f"the sensor sends {setup.timing.frames_per_second:.1f} frames a second")
+    print(f"the sensor sends {setup.timing.frames_per_second:.1f} frames per second")
     for name in report["kept"]:
         print(f"{name}: yours, left as it is")
     print(f"{output}: {len(files)} files; sh {output / 'build.sh'} makes the bitstream, with "
@@ -58,15 +58,15 @@ def build_hps(args, board, named, output):
 
 
 def _designed(args, board, named):
-    """The design, the sensor's set-up and where in its frame the raw frame begins; InputError for
-    what does not fit."""
+    """The design, the sensor's configuration and where the raw frame begins in its frame;
+    InputError if they do not fit."""
     descriptor = named[0][1]
     geometry = descriptor.geometry
-    least = mode_for(*geometry.corrected)
-    mode = mode_named(args.mode) if args.mode else least
+    smallest = mode_for(*geometry.corrected)
+    mode = mode_named(args.mode) if args.mode else smallest
     if not mode.holds(*geometry.corrected):
         raise InputError(f"the picture has {geometry.corrected_width}x{geometry.corrected_height} "
-                         f"pixels, the mode {args.mode} does not hold it: {least.name} does")
+                         f"pixels, the mode {args.mode} does not hold it: {smallest.name} does")
     clocks = board.clock_plan(mode, board.core_mhz)
     setup, corner = sensor_for(args.sensor, geometry, exposure_us=args.exposure_us,
                                field=field_of(args),
@@ -79,7 +79,7 @@ def _designed(args, board, named):
     needed, there = memory_bytes(descriptor, system.hardware, system.stores), board.frames[1]
     if needed > there:
         raise InputError(f"the frames take {needed / 1e6:.1f} MB, {there / 1e6:.1f} MB of the "
-                         f"{board.name} are kept for them: a smaller picture fits")
+                         f"{board.name} are reserved for them: a smaller picture fits")
     pixel = output_format(system.hardware.format).pixel_bytes
     reset_us, _ = wake_times(setup.sensor.waking, setup.settings.clock_hz)
     return HpsDesign(board, system, mode, pixel, clocks, reset_us), setup, corner

@@ -65,7 +65,7 @@ def run(args):
     points.save(output)
     for number, (name, overlay, photo) in enumerate(zip(used, overlays, points.photos)):
         progress(_DRAWN + (1 - _DRAWN) * number / len(used), f" {overlay}")
-        image = read_photo(name, args, warn).image
+        image = read_photo(name, args.raw, args.bits, warn).image
         write_image(overlay, draw_points(image, photo, frame, number))
     progress(1)
     report = {**_report(points, frame), **measured, "warnings": warnings, "points": str(output),
@@ -81,7 +81,7 @@ def run(args):
 
 
 def _overlays(output, used, args):
-    """Where the pictures go, next to ``output``; no file may replace a photo."""
+    """Paths of the overlays, next to ``output``; none may replace a photo."""
     tags = [""] if len(used) == 1 else [f"-{k}-{Path(name).stem}" for k, name in enumerate(used, 1)]
     overlays = [str(output.with_name(f"{output.stem}.overlay{tag}.png")) for tag in tags]
     inputs = {Path(name).resolve() for name in args.photos}
@@ -93,7 +93,7 @@ def _overlays(output, used, args):
 
 
 def _report(points, frame):
-    """What was found, what was not believed and why, and how sure it is."""
+    """Report: points found, points rejected by reason, and their agreement."""
     rejected = {}
     for photo in points.photos:
         for reason, count in photo.rejected.items():
@@ -169,7 +169,7 @@ def _photos(args, progress, warn):
 
 
 def _picture(name, args, warn):
-    return read_photo(name, args, warn).image
+    return read_photo(name, args.raw, args.bits, warn).image
 
 
 def _once():
@@ -187,7 +187,7 @@ def judged(points):
     """Straightness with a smooth lens, the frame it was measured in, and warnings.
 
     Without a lens that explains the points the first is empty, the second None, and the
-    warning tells why.
+    warning says why.
     """
     try:
         try:

@@ -14,14 +14,14 @@ def add_colour(parser):
                         help=f"gains of the colours, {1 / UNITY:.4f} to {LARGEST_GAIN / UNITY:.4f},"
                              f" or {GREY_WORLD}: those that give the frame's colours equal means")
     parser.add_argument("--tone", metavar="CURVE",
-                        help="tone curve behind the gains: linear (default), sRGB, or gamma:G, G "
+                        help="tone curve after the gains: linear (default), sRGB, or gamma:G, G "
                              "from 1 to 3, as in gamma:2.2")
 
 
 def colour_choice(args):
-    """How a command's options choose the :class:`Colour` of a frame; None without them.
+    """Function that chooses the :class:`Colour` of a frame by the options; None without them.
 
-    A function of the :class:`ncdc_model.golden.corrector.Corrected` frame, which ``grey-world`` looks at.
+    Its argument is the :class:`ncdc_model.golden.corrector.Corrected` frame, which ``grey-world`` needs.
 
     Raises
     ------
@@ -44,7 +44,7 @@ def _tone(args):
 
 
 def colour_report(args, colour):
-    """The names of every report that tell of ``colour``, which the options chose."""
+    """Entries of a report that describe ``colour``, which the options chose."""
     return {"gains": [gain / UNITY for gain in colour.gains], "tone": _tone(args),
             "tone_nodes": list(colour.tone)}
 

@@ -1,4 +1,4 @@
-"""What several commands share: the raw frame of an image, reports."""
+"""Common parts of several commands: the raw frame of an image, reports."""
 
 import json
 import math
@@ -18,7 +18,7 @@ __all__ = ["add_camera", "add_json", "add_page", "add_samples", "raw_frame", "re
            "report_failures", "straightness_text", "write_report"]
 
 
-_RELIEF = 0.005        # px rms: less would be told as a relief of 0.00 px
+_RELIEF = 0.005        # px rms: less would be printed as 0.00 px
 
 
 def add_page(parser):
@@ -35,47 +35,57 @@ def add_samples(parser):
     """Declare the options --bits and --raw."""
     parser.add_argument("--bits", type=int, metavar="N",
                         help="bits of a sample, 8 to 16, of files that only say 16 (default: the "
-                             "least usual number that holds the brightest sample)")
+                             "smallest usual number that holds the brightest sample)")
     parser.add_argument("--raw", metavar="WxH:PATTERN:BITS[p][:stride=N][:frame=K]",
                         help="the file is a dump of bare samples, as in 1280x1024:RGGB:12: bytes, "
                              "or from 9 bits on two bytes each, lower first; 10p, 12p, 14p: packed "
                              "as MIPI does; stride: bytes a row; frame: which one, from 1")
 
 
-def read_photo(path, args, warn=say):
-    """The :class:`ncdc_model.photo.photo.Photo` in ``path`` by the options of :func:`add_samples`.
+def read_photo(path, raw=None, bits=None, warn=say):
+    """Read the :class:`ncdc_model.photo.photo.Photo` in the file ``path``.
 
-    ``warn`` is called with a sentence where something is a guess, or only a part is taken.
+Parameters
+    ----------
+    path : str
+    raw : str, optional
+        The option --raw: how a file of bare samples is laid out.
+    bits : int, optional
+        The option --bits: bits of a sample.
+    warn : callable
+        Called with a sentence if a property is guessed, or only a part of the file is read.
 
     Raises
     ------
     InputError
         If an option is bad or does not suit the file.
     """
-    if args.raw is not None:
-        if args.bits is not None:
+    if raw is not None:
+        if bits is not None:
             raise InputError("--bits and --raw are given, --raw says the bits itself")
-        dump = RawDump.parse(args.raw)
+        dump = RawDump.parse(raw)
         return Photo(dump.read(path, warn), dump.bayer)
-    if args.bits is not None:
-        check_bits(args.bits)
-    return read.read_photo(path, args.bits, warn)
+    if bits is not None:
+        check_bits(bits)
+    return read.read_photo(path, bits, warn)
 
 
-def raw_frame(args, geometry, warn=say):
-    """The raw Bayer frame of the file ``args.image``, and a note on what it was taken for.
+def raw_frame(path, geometry, raw=None, bits=None):
+    """The raw Bayer frame of the file ``path``, and a note on how its samples were interpreted.
 
-    A picture of one channel is taken for the raw frame itself; of a colour picture, each pixel
+    ``raw`` and ``bits`` are those of :func:`read_photo`.
+
+    A picture of one channel is the raw frame itself. A colour picture is mosaiced: each pixel
     keeps the colour that the filter would have passed. A grey JPEG is rejected, as it cannot be the
-    raw frame of a colour sensor. Of a grey sensor any grey picture may be the frame, and of a
-    colour picture the brightness is taken.
+    raw frame of a colour sensor. A grey sensor accepts any grey picture, and the brightness of a
+    colour picture.
 
     Raises
     ------
     InputError
         If the file cannot be read, or its filter pattern is not that of ``geometry``.
     """
-    path, photo = args.image, read_photo(args.image, args, warn)
+    photo = read_photo(path, raw, bits)
     image = photo.image
     if photo.bayer is not None:
         if photo.bayer != geometry.bayer:

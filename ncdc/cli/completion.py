@@ -12,7 +12,7 @@ _SHELLS = ("bash", "zsh", "fish")
 
 @dataclass(frozen=True)
 class _Command:
-    """What may follow some words: the next words, the options with their help, and their values.
+    """Candidates after some words: the next words, the options with their help and values.
 
     ``values``: of each option a tuple of words; empty: any, so files are offered; None: it has no
     value.
@@ -59,7 +59,7 @@ def _commands(parser, words):
 
 
 def _bash(commands):
-    """Script of one function: it walks the words for the command, then offers what may follow."""
+    """Script of one function: it finds the command among the words, then completes the next one."""
     walk = [f"            {shlex.quote(' '.join((*one.words, name)).strip())}) ;;"
             for one in commands for name in one.next
             if any(other.words == (*one.words, name) for other in commands)]

@@ -31,7 +31,7 @@ def run(args):
     check_suffix(args.output)
     choice = colour_choice(args)
     descriptor = Descriptor.load(args.descriptor)
-    raw, note = raw_frame(args, descriptor.geometry)
+    raw, note = raw_frame(args.image, descriptor.geometry, args.raw, args.bits)
     corrected = correct(descriptor, raw, percent(Progress("correcting")))
     colour = choice(corrected) if choice else None
     write_image(args.output, coloured(corrected, colour) if colour else corrected.picture)

@@ -76,7 +76,7 @@ def run(args):
     _say(f"{len(simulation.differing)} of {simulation.blank.size} pixels differ from the golden "
          "model")
 
-    _step(5, "measuring against the truth, which the example knows")
+    _step(5, "measuring the errors from the example's true camera")
     report = {"hidden_neurons": descriptor.hidden_neurons, "digest": descriptor.digest,
               **{f"{kind}_{side}": getattr(descriptor.geometry, f"{kind}_{side}")
                  for kind in ("distorted", "corrected") for side in ("width", "height")},
@@ -138,14 +138,14 @@ def _generate(folder, descriptor):
 
 
 def _truth(folder, camera, photo, trained, simulation):
-    """Errors of the map and of the blanking over the whole frame, against the true camera."""
+    """Errors of the map and of the blanking over the whole frame, compared with the true camera."""
     descriptor = trained.descriptor
     geometry = descriptor.geometry
     back_map = true_map(camera, photo, descriptor.provenance["homography"])
     maps = {}
     errors = evaluate_frame(descriptor, back_map, maps)
     plot_error_map(folder / "errors.png", maps["fixed"],
-                   f"integer network against the true camera, {descriptor.hidden_neurons} neurons")
+                   f"integer network and true camera, {descriptor.hidden_neurons} neurons")
     v, u = np.indices(geometry.corrected[::-1])
     x, y = back_map(u, v)
     has_source = geometry.window_inside(x, y)
@@ -178,7 +178,7 @@ def _pictures(folder, target, points, descriptor, scene, simulation):
 
 
 def _interpolation(camera, descriptor, scene, simulation):
-    """Grey levels against floating point, on the scene and on noise, and the cost in PSNR."""
+    """Grey levels from floating point, on the scene and on noise, and the cost in PSNR."""
     noise = noise_picture(*descriptor.geometry.distorted)
     colour = np.clip(np.floor(scene_light(camera) + 0.5), 0, 255).astype(np.uint8)
     return {
@@ -207,10 +207,10 @@ def _sections(report, trained):
          "pictures": ["comparison.png"]},
         {"title": "Calibration",
          "text": f"{report['points_found']} dots found on one photo; a few indices are written "
-                 "beside their dots.", "pictures": ["points.png"]},
+                 "next to their dots.", "pictures": ["points.png"]},
         {"title": "Error of the map",
          "text": "Distance in pixels of the distorted image: on the points, trained on and held "
-                 "out, and over the whole frame against the true camera. The integers add at most "
+                 "out, and over the whole frame from the true camera. The integers add at most "
                  f"{report['fixed_minus_float_max_px']:.4f} px on an axis.",
          "pictures": ["errors.png"],
          "rows": [["", "MSE px²", "mean px", "max px"],
@@ -225,7 +225,7 @@ def _sections(report, trained):
                  f"{report['blanking_differs_within_px']:.2f} px of the sensor's edge."},
         {"title": "Interpolation",
          "text": "Grey levels between the hardware and the same picture in floating point: at "
-                 f"most {report['grey_levels_from_float_max']}, noise included. PSNR against "
+                 f"most {report['grey_levels_from_float_max']}, noise included. PSNR to "
                  "the remapped colour picture, in dB:",
          "rows": [["flow", "PSNR"],
                   *([name + " (this)" * (name == report["interpolation"]),

@@ -3,7 +3,6 @@
 import signal
 import sys
 import time
-from argparse import Namespace
 from ipaddress import IPv4Address
 
 from ncdc.cli.commands import COMMANDS
@@ -58,11 +57,11 @@ def _frame(args, geometry):
     """Raw frame of the photo, or None without one."""
     if args.photo is None:
         return None
-    return raw_frame(Namespace(image=args.photo, raw=args.raw, bits=args.bits), geometry)[0]
+    return raw_frame(args.photo, geometry, args.raw, args.bits)[0]
 
 
 def run(args):
-    """Serve until the process is told to end."""
+    """Serve until a signal ends the process."""
     if not 1 <= args.count <= _COUNT_MAX:
         raise InputError(f"{args.count} devices are asked for, the limits are 1 and {_COUNT_MAX}")
     if not 0 <= args.tcp_port <= 0xFFFF:

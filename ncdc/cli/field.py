@@ -48,13 +48,13 @@ def field_lines(plan, crop, geometry):
 
 
 def _clipped(plan, crop, geometry):
-    """As of :func:`shown`: a pixel that an even grid has outside of the sensor is not there."""
+    """The field of :func:`shown`, without pixels of an even grid outside of the sensor."""
     left, top, width, height = shown(plan, Crop(*crop), geometry)
     return max(0, left), max(0, top), width, height
 
 
 def _how(plan, crop):
-    """How pixels become fewer."""
+    """A text on the steps of the reduction."""
     asked, binning = plan.settings, Crop(*crop).binning
     if asked.skip == 1 and not binning:
         return "every pixel is read"

@@ -21,8 +21,9 @@ def add_follow(parser):
 
 
 def follow_strip(args, geometry):
-    """Columns of the strips where --strip is not given: 0 with --follow, since a strip needs nearly
-    all rows of the raw frame at once; else None, which leaves them open.
+    """Columns of the strips where --strip is not given: 0 with --follow, else None for the planner.
+
+    A strip needs nearly all rows of the raw frame at once, so it cannot follow the camera.
 
     Raises
     ------
@@ -38,7 +39,7 @@ def follow_strip(args, geometry):
 
 
 def bound_of(args, descriptor, hardware, memory):
-    """What the planner promises of a frame that follows the camera; None without --follow."""
+    """The planner's bound for a frame that follows the camera; None without --follow."""
     if not args.follow:
         return None
     return follow_bound(descriptor, hardware, memory, Corrector(descriptor, hardware).timing,

@@ -1,6 +1,5 @@
-"""``ncdc generate``: writes the corrector's Verilog and what belongs to it."""
+"""``ncdc generate``: writes the corrector's Verilog, its drivers and scripts."""
 
-from argparse import Namespace
 from pathlib import Path
 
 from ncdc.cli.common import add_json, raw_frame, write_report
@@ -86,20 +85,9 @@ def run(args):
     lenses = [(args.descriptor, descriptor), *((path, Descriptor.load(path)) for path in args.lens)]
     board = _board(args.board) if args.board else None
     hardware = hardware_of(args, board)
-    if args.system and board:
-        raise InputError(f"--system and --board {args.board} are given, its project is "
-                         f"of a corrector alone")
-    if hardware.axi and board:
-        raise InputError(f"--bus axi and --board {args.board} are given, its project is "
-                         f"for avalon")
-    _check_parts(args, hardware)
+    _check_options(args, hardware)
     module = args.name or _default_name(args, hardware)
     hardware, choice = planned(hardware, fixed_of(args), descriptor)
-    if args.system and args.testbench is not None:
-        raise InputError("--testbench and --system are given, the test bench is of a corrector "
-                         "alone")
-    if hardware.video != VIDEOS[0]:
-        _check_video(args, hardware.video)
     if args.system:
         system = System(descriptor, hardware)
         corrector = system.corrector
@@ -148,8 +136,10 @@ def _board(name):
 
 
 def _check_component(folder, files, module):
-    """Reject a folder whose IP-XACT, a file of one name for every core, is that of a core of
-    --name that is not ``module``, or is to become that of one."""
+    """Reject a folder with the IP-XACT file of another core: every core's has the same name.
+
+    The default names replace each other; ``module`` and a found name of --name do not.
+    """
     path = folder / IP_XACT
     if IP_XACT not in files or not path.is_file():
         return
@@ -165,25 +155,38 @@ def _default_name(args, hardware):
     return AXI_TOP if hardware.axi else TOP
 
 
-def _check_parts(args, hardware):
-    """Refuse parts where what they stand on is missing."""
+def _check_options(args, hardware):
+    """Reject options that exclude each other, and options without those that they need."""
     if args.name is not None:
         check_module_name(args.name)
-        for option, given in (("--board", args.board), ("--niosv", args.niosv)):
-            if given:
-                raise InputError(f"--name {args.name} and {option} are given, its scripts know one "
-                                 f"core, of the default name")
-    if args.niosv and not (args.system and args.packetiser and not hardware.axi):
-        raise InputError("--niosv is given, it needs --system and --packetiser, for avalon: these "
-                         "are what it joins")
-    if args.usb and not args.system:
-        raise InputError(f"--usb {args.usb} is given, it needs --system: its pictures are those of "
-                         f"a frame store")
-    if args.usb and hardware.axi:
-        raise InputError(f"--usb {args.usb} and --bus axi are given, USB is there for avalon only")
-    if bool(args.usb) != bool(args.sensor):
-        raise InputError("--usb and --sensor are given together: Table I reads and writes the "
-                         "sensor's registers")
+    name, board, usb = (f"--{key} {getattr(args, key)}" for key in ("name", "board", "usb"))
+    bench, packets = args.testbench is not None, hardware.video != VIDEOS[0]
+    one_core, plain = "its scripts know one core, of the default name", "plain video only"
+    for wrong, sentence in (
+            (args.system and args.board,
+             f"--system and {board} are given, its project is of a corrector alone"),
+            (hardware.axi and args.board,
+             f"--bus axi and {board} are given, its project is for avalon"),
+            (args.name and args.board, f"{name} and --board are given, {one_core}"),
+            (args.name and args.niosv, f"{name} and --niosv are given, {one_core}"),
+            (args.niosv and not (args.system and args.packetiser and not hardware.axi),
+             "--niosv is given, it needs --system and --packetiser, for avalon: these are what it "
+             "joins"),
+            (args.usb and not args.system,
+             f"{usb} is given, it needs --system: its pictures are those of a frame store"),
+            (args.usb and hardware.axi,
+             f"{usb} and --bus axi are given, USB is there for avalon only"),
+            (bool(args.usb) != bool(args.sensor),
+             "--usb and --sensor are given together: Table I reads and writes the sensor's "
+             "registers"),
+            (args.system and bench,
+             "--testbench and --system are given, the test bench is of a corrector alone"),
+            (packets and args.board, f"--video {hardware.video} and --board are given, the "
+                                     f"projects of boards take {plain}"),
+            (packets and bench, f"--video {hardware.video} and --testbench are given, the test "
+                                f"bench takes {plain}")):
+        if wrong:
+            raise InputError(sentence)
 
 
 def _packetiser_files(packetiser, name):
@@ -191,15 +194,6 @@ def _packetiser_files(packetiser, name):
     module = f"{name}_packetiser" if name else PACKETISER
     return {f"{module}.v": module_verilog(packetiser, module),
             f"{module}_hw.tcl": packetiser_hw_tcl(packetiser, module)}
-
-
-def _check_video(args, video):
-    """Refuse packets where what takes the stream knows none."""
-    for option, given, text in (("--board", args.board, "the projects of boards take"),
-                                ("--testbench", args.testbench is not None,
-                                 "the test bench takes")):
-        if given:
-            raise InputError(f"--video {video} and {option} are given, {text} plain video only")
 
 
 def _system_files(system, lenses, module):
@@ -213,12 +207,14 @@ def _system_files(system, lenses, module):
 
 
 def _bench(corrector, verilog, module, frame):
-    """Text of the test bench of ``module`` in ``verilog``, by file name; of the raw frame in the
-    file ``frame``, if it names one."""
+    """Text of the test bench of ``module`` in ``verilog``, by file name.
+
+    Its raw frame is that of the file ``frame``, or a pattern if ``frame`` is empty.
+    """
     geometry = corrector.descriptor.geometry
     raw = pattern(geometry)
     if frame:
-        raw, _ = raw_frame(Namespace(image=frame, raw=None, bits=None), geometry)
+        raw, _ = raw_frame(frame, geometry)
         check_raw(raw, geometry)
     return bench_files(corrector, verilog, module, raw)
 
@@ -235,8 +231,10 @@ def _corrector_files(corrector, lenses, module):
 
 
 def _drivers(module, files):
-    """The drivers' ``files``, whose names are always the same: those of a module of --name in a
-    folder of its own, so that they cannot be taken for another core's."""
+    """The drivers' ``files``, in a folder of their own if the module was named by --name.
+
+    Their names are always the same: two named cores would overwrite each other's.
+    """
     if module in _NAMES:
         return files
     return {f"{module}_drivers/{name}": text for name, text in files.items()}

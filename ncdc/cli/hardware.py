@@ -72,7 +72,7 @@ def add_hardware(parser):
                              "to pixel and need no multiplier; same results")
     parser.add_argument("--share", type=int, metavar="N",
                         help="hidden neurons per tan-sigmoid: a pixel, or a node, every N clocks; "
-                             "same results, smaller (default: as many as let a pixel follow per "
+                             "same results, smaller (default: as many as keep a pixel per "
                              "clock, which without nodes is 1)")
     parser.add_argument("--multiplier-bits", type=int, choices=MULTIPLIER_BITS, metavar="BITS",
                         help="width of the device's multiplier blocks: 27 (default), or 18, for "
@@ -99,7 +99,7 @@ def fixed_of(args, strip=None):
 
 
 def hardware_of(args, board=None):
-    """:class:`Hardware` of a command's options; of what they leave open, the ``board``'s choice.
+    """:class:`Hardware` of a command's options; the ``board`` chooses those that are not given.
 
     Tile cache, split and strips are left to :func:`planned`.
     """
@@ -123,7 +123,7 @@ def choice_line(hardware, bytes_read, amplification):
 
 
 def front_end_line(hardware, descriptor):
-    """One line on where the network is evaluated, and by how many units, and on what waits."""
+    """One line on where the network is evaluated, by how many units, and which pixels wait."""
     d = descriptor
     units, share = hardware.units(d.hidden_neurons), hardware.share
     if d.nodes == 1:
@@ -138,7 +138,7 @@ def front_end_line(hardware, descriptor):
 
 
 def _waits(hardware, descriptor):
-    """What pixels that wait for nodes cost, and what would not."""
+    """Clocks of a row in which pixels wait for nodes, and a distance of nodes without waits."""
     groups, clocks = hardware.row_clocks(descriptor)
     better = hardware.nodes_at_rate(descriptor)
     return (f": pixels wait for nodes, {clocks} clocks for the {groups} groups of a row"
@@ -146,10 +146,8 @@ def _waits(hardware, descriptor):
 
 
 def planned(hardware, fixed, descriptor):
-    """:func:`_planned_cache`, with shared units of a number.
-
-    Errors raised: as of it and of :meth:`Hardware.made_for`.
-    """
+    """:func:`_planned_cache`, with the number of shared units; raises its errors and those of
+    :meth:`Hardware.made_for`."""
     hardware, line = _planned_cache(hardware, fixed, descriptor)
     return hardware.made_for(descriptor), line
 
@@ -176,7 +174,7 @@ def _planned_cache(hardware, fixed, descriptor):
         return replace(hardware, cache=fixed.caches(geometry.interpolation)[0],
                        split=fixed.split, strip=fixed.strip), None
     width, height = geometry.corrected
-    fixed.strips(width, hardware.stream)        # refuses what cannot be before the long work
+    fixed.strips(width, hardware.stream)        # raises InputError before the long work
     progress = Progress("planning") if width * height >= _LONG else lambda fraction: None
     windows = frame_windows(descriptor, lambda done, total: progress(.7 * done / total))
     distinct = distinct_bytes(windows, geometry)

@@ -53,8 +53,9 @@ def run_moving(args, descriptor):
     hardware, _ = planned(hardware_of(args), fixed_of(args, 0 if args.follow else None), descriptor)
     plan, crop = setup_around(args.sensor, descriptor.geometry, field=field_of(args),
                               exposure_us=args.exposure_us)
-    raw, note = raw_frame(args, descriptor.geometry)
-    photo = read_photo(args.image, args, warn=lambda sentence: None).image   # it warned before
+    raw, note = raw_frame(args.image, descriptor.geometry, args.raw, args.bits)
+    # The first read has printed the warnings.
+    photo = read_photo(args.image, args.raw, args.bits, warn=lambda sentence: None).image
     light = (still_raw(plan, crop, raw) if is_raw(photo)
              else moving_photo(descriptor, plan, crop, photo, args.frames, velocity))
     result = simulate_camera(
@@ -72,7 +73,7 @@ def run_moving(args, descriptor):
         **field_report(plan, crop, descriptor.geometry), **hardware.report(descriptor.geometry)}
     if not write_report(report, args.json):
         print(f"{report['frames']} frames of {plan.sensor.name} at "
-              f"{report['frames_per_second']:.1f} a second, {report['pixels_compared']} pixels "
+              f"{report['frames_per_second']:.1f} per second, {report['pixels_compared']} pixels "
               f"compared, {report['pixels_different']} differ; at most "
               f"{report['clocks_per_pixel']:.3f} clocks per pixel ({args.memory}, "
               f"{args.simulator}); frames dropped: {report['overflows'] + report['frames_missed']}")

@@ -8,7 +8,7 @@ from ncdc_spec.errors import InputError
 
 __all__ = ["natural", "photos_of"]
 
-# What lies beside photos in a folder and is none: our own files, and those of other software.
+# Files next to photos in a folder that are no photos: our own, and those of other software.
 _NO_PHOTOS = {".json", ".toml", ".csv", ".txt", ".md", ".yaml", ".yml", ".xml", ".html", ".pdf",
               ".svg", ".xmp", ".npz", ".v", ".py", ".log", ".db", ".ini"}
 _OVERLAY = ".overlay"       # in the names of the pictures that ncdc calibrate draws
@@ -56,6 +56,6 @@ def _photos(given):
 
 
 def _may_be_photo(path):
-    """Whether a file that nobody has named is to be read as a photo."""
+    """Whether a file in a folder is to be read as a photo."""
     return (path.is_file() and not path.name.startswith(".") and _OVERLAY not in path.name
             and path.suffix.lower() not in _NO_PHOTOS)

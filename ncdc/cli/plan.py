@@ -39,7 +39,7 @@ def add_arguments(parser):
     parser.add_argument("descriptor", metavar="NET", help="descriptor of ncdc train")
     parser.add_argument("--board", metavar="NAME",
                         help="whether a board of ncdc build carries the picture on its memory and "
-                             "its screen, beside --sensor (default: mt9p031)")
+                             "its screen, as well as --sensor (default: mt9p031)")
     add_mode(parser)
     parser.add_argument("--system", action="store_true",
                         help="the board with a processor, which sends each corrected picture")
@@ -59,7 +59,7 @@ def add_arguments(parser):
     add_lanes(parser)
     add_format(parser)
     parser.add_argument("--min-fps", dest="rate", type=float, metavar="FPS",
-                        help="refuse what does not correct so many frames per second")
+                        help="exit with an error below so many corrected frames per second")
     add_renamed(parser, "--rate", "--min-fps", dest="rate", type=float)
     parser.add_argument("--sensor", dest="camera", metavar="NAME",
                         help="also the clocks of a running system, in which this sensor's frames "
@@ -114,13 +114,13 @@ def run(args):
               f"{100 * bound.share:.1f} % of its {bound.camera_clocks}")
     if args.camera:
         print(f"{report['beside_camera_clocks_per_pixel']:.4f} clocks per pixel while the "
-              f"{args.camera} writes its next frames, {report['camera_frames_per_second']:.1f} a "
+              f"{args.camera} writes its next frames, {report['camera_frames_per_second']:.1f} per "
               f"second")
 
 
 def _beside(args, descriptor, planned, framing):
-    """What a running camera makes of the plan, under the names in every report; ``framing``: its
-    set-up and crop, None without one."""
+    """Entries of the report with a running camera; ``framing``: its configuration and crop, or
+    None."""
     if framing is None:
         return {}
     setup, crop = framing

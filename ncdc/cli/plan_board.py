@@ -28,7 +28,7 @@ def plan_board(args, descriptor):
     if args.rate and budget.corrected_per_second < args.rate:
         raise InputError(
             f"{budget.corrected_per_second:.1f} frames per second are corrected on {board.name} "
-            f"beside {'screen and ' * board.screen}camera, {args.rate:g} are asked for: "
+            f"with {'screen and ' * board.screen}camera, {args.rate:g} are asked for: "
             f"{_what_fits(budget, args)}")
     needed = memory_bytes(design.system.descriptor, design.system.hardware, design.system.stores)
     report = {"digest": descriptor.digest, "board": board.name,
@@ -53,7 +53,7 @@ def plan_board(args, descriptor):
 
 
 def _what_fits(budget, args):
-    """What would fit instead of a rate."""
+    """A text on the rate that would fit."""
     if budget.frames_per_second < args.rate:
         return f"the sensor sends {budget.frames_per_second:.1f}"
     return f"--min-fps {int(budget.corrected_per_second)} or a smaller picture fits"

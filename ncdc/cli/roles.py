@@ -1,7 +1,6 @@
-"""Files given in each other's place: a photo where a descriptor is wanted, and the like.
+"""Rejects a file of the wrong kind: a photo where a descriptor is expected, and the like.
 
-Each file is judged by its first bytes. What is none of these kinds is left to the command, which
-says what is wrong with it.
+Each file is judged by its first bytes. A file of no known kind is left to the command.
 """
 
 from pathlib import Path
@@ -25,14 +24,14 @@ _HINTS = {
     ("lens", _NET): "points, a camera file or a map are needed, of which one is made",
     ("exported", _PICTURE): "a descriptor or points are needed: " + _TRAIN,
 }
-# What each argument of a command is to be, by the name under which argparse has it.
+# The kind of file that each argument takes, by argparse's name of it.
 _ROLES = {"descriptor": "descriptor", "descriptors": "descriptor", "lens": "descriptor",
           "image": "picture", "photo": "picture", "photos": "picture", "reference": "lens"}
 _SOURCES = {"train": "lens", "export": "exported"}
 
 
 def check_roles(args):
-    """Check that no file among a command's arguments is of a kind that another one is to be.
+    """Check that no file among a command's arguments is of another argument's kind.
 
     Parameters
     ----------
@@ -66,7 +65,7 @@ def _listed(value):
 
 
 def _kind(path, role):
-    """What a file is by its first bytes; None of one that cannot be read, or is something else."""
+    """Kind of a file by its first bytes; None if it cannot be read or its kind is unknown."""
     try:
         if not Path(path).is_file():
             return None

@@ -53,7 +53,7 @@ def add_arguments(parser):
 
 
 def run(args):
-    """Print the writes and what follows from them."""
+    """Print the writes, and the timing and field that result from them."""
     sensor = sensor_named(args.sensor)
     plan = setup(sensor, Settings(**{field.name: getattr(args, field.name)
                                      for field in dataclasses.fields(Settings)}))
@@ -75,7 +75,7 @@ def _summary(plan):
         ("gain", f"{plan.gain_db:.3f} dB of {plan.settings.gain_db:g} dB asked for"),
         ("line", f"{timing.line_clocks} clocks of {timing.pixel_clock_hz} Hz, "
                  f"{timing.line_us:.3f} us"),
-        ("frame", f"{timing.frame_lines} lines, {timing.frames_per_second:.3f} a second"),
+        ("frame", f"{timing.frame_lines} lines, {timing.frames_per_second:.3f} per second"),
         ("samples", f"{timing.width}x{timing.height} {plan.bayer}, {sensor.bits} bits; black is "
                     f"{sensor.black} of 4095"),
         ("field", _field(plan)),
@@ -117,7 +117,7 @@ def c_array(plan):
         "#include <stdint.h>", "",
         f"struct {sensor.name}_write {{",
         f"    uint{pointer}_t address;", f"    uint{value}_t value;",
-        "    uint16_t wait_us;   /* behind the write */", "};", "",
+        "    uint16_t wait_us;   /* after the write */", "};", "",
         f"static const struct {sensor.name}_write {sensor.name}_setup[] = {{"]
     lines += [f"    {{0x{write.register:0{pointer // 4}X}, 0x{write.value:0{value // 4}X}, "
               f"{write.wait_us}}},  /* {write.meaning} */" for write in plan.writes]

@@ -52,7 +52,7 @@ def add_arguments(parser):
 
 
 def run(args):
-    """Simulate, compare, write, report; 1 if a pixel differs, or a promise is not kept."""
+    """Simulate, compare, write, report; 1 if a pixel or a bound of the planner is not met."""
     if args.seed < 0:
         raise InputError(f"seed is {args.seed}, it must not be negative")
     check_suffix(args.output)
@@ -65,7 +65,7 @@ def run(args):
     if args.field is not None:
         raise InputError(f"--field {args.field} is of a sensor: --camera NAME is needed")
     fixed = fixed_of(args, follow_strip(args, descriptor.geometry))
-    raw, note = raw_frame(args, descriptor.geometry)
+    raw, note = raw_frame(args.image, descriptor.geometry, args.raw, args.bits)
     hardware = hardware_of(args)
     hardware, _ = planned(replace(hardware, colour=hardware.colour or choice is not None), fixed,
                           descriptor)
@@ -100,8 +100,9 @@ def run(args):
 
 
 def _bound(args, descriptor, hardware):
-    """What the planner promises; None without --follow, and where it knows no clocks: of the
-    multiport fetcher, of a memory with random latency or of another's controller.
+    """The planner's bound; None without --follow, and where its model gives no clocks.
+
+    It has none for the multiport fetcher, random latency, and LiteDRAM's controller.
     """
     memory = simulated_memory(args.memory)
     exact = isinstance(memory, DramMemory) or (isinstance(memory, LatencyMemory)
@@ -121,7 +122,7 @@ def _sums(simulation):
 
 
 def _outside(simulation):
-    """A sentence on bytes that are no frame's; None if none was read or written."""
+    """A sentence on accesses outside both frames; None if there were none."""
     outside = simulation.bytes_outside
     return f"{outside} bytes were read or written that are of neither frame" if outside else None
 
@@ -133,7 +134,7 @@ def _early(simulation):
 
 
 def _late(report, bound):
-    """A sentence on a frame that was out later than the planner promised; None if none was."""
+    """A sentence on a frame that was out later than the planner's bound; None if none was."""
     found = report.get("follow_latency_clocks")
     if bound is None or found <= bound.clocks:
         return None

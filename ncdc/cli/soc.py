@@ -80,12 +80,12 @@ def _build(args, descriptor):
               "ram_bytes": model.ram_bytes}
     if not write_report(report, args.json):
         print(f"{model.program}; firmware of {model.code_bytes} bytes, {model.ram_bytes} bytes of "
-              f"RAM beside its stack")
+              f"RAM without its stack")
     return 0
 
 
 def _run(args, descriptor):
-    raw, note = raw_frame(args, descriptor.geometry)
+    raw, note = raw_frame(args.image, descriptor.geometry, args.raw, args.bits)
     if note:
         print(note, file=sys.stderr)
     check_raw(raw, descriptor.geometry)
@@ -99,7 +99,7 @@ def _run(args, descriptor):
         model.fill(folder)
         print(f"the device is {address}, this side of its network {CLIENT}; programs join it by\n"
               f"    nsenter --preserve-credentials -U -n -t {network.holder} PROGRAM\n"
-              f"the speed is told once a second; Ctrl-C ends the run", file=sys.stderr)
+              f"the speed is printed once per second; Ctrl-C ends the run", file=sys.stderr)
         # The end of the network ends the simulation, too.
         for number in (signal.SIGTERM, signal.SIGHUP):
             signal.signal(number, lambda *_: sys.exit(0))

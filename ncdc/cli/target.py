@@ -37,7 +37,7 @@ def run(args):
     if form is None:
         raise InputError(f"{args.output}: a page is written as {' or '.join(_FORMS)}")
     layout = layout_of(args.target, paper_of(args.paper), args.step)
-    # Matplotlib takes a second to import, and what is refused is said before.
+    # Matplotlib takes a second to import: bad options are reported before.
     from ncdc.target.draw import page
     write_bytes(args.output, page(layout, form))
     width, height = layout.paper

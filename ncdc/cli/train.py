@@ -73,7 +73,8 @@ def add_arguments(parser):
                          help="lm: Levenberg-Marquardt from many starts (default); ebp: the "
                               "paper's error back-propagation, for comparison")
     network.add_argument("--epochs", type=int, metavar="E",
-                         help="with --trainer ebp: most passes over the points (default: 5000)")
+                         help="with --trainer ebp: maximum number of passes over the points "
+                              "(default: 5000)")
     network.add_argument("--seed", type=int, default=0, metavar="S",
                          help="same seed, same descriptor (default: 0)")
     picture = parser.add_argument_group("picture")
@@ -90,7 +91,7 @@ def add_arguments(parser):
                          help="colour of pixels without a source (default: 0,0,0)")
     _add_hardware(parser.add_argument_group("hardware"))
     parser.add_argument("-o", "--output", default="net.toml", metavar="FILE",
-                        help="descriptor (default: net.toml); plots go beside it")
+                        help="descriptor (default: net.toml); plots are written next to it")
     add_json(parser)
 
 
@@ -152,7 +153,7 @@ def run(args):
     limit = max(1.0, source.geometry.distorted[0] * _POOR)
     if worst > limit:
         _warn(f"the largest error of the map is {worst:.3g} px, more than {limit:.3g} px: more "
-              f"hidden neurons (--neurons auto), or a zoom that leaves out what they cannot follow")
+              f"hidden neurons (--neurons auto), or a zoom that leaves out what they cannot model")
     if not report.get("max_error_met", True):
         _warn(f"no network of 1 to {len(report['tried'])} hidden neurons has a largest error of "
               f"{report['max_error_px']:g} px or less: the smallest of the best ones is taken")
@@ -183,8 +184,8 @@ def _print_report(args, source, report):
         print(f"{report['hidden_neurons']} hidden neurons are proposed, of "
               f"{len(report['tried'])} numbers tried, by the largest error on "
               f"{_judged_on(report)}")
-    *most, last = report["plots"]
-    print(f"{args.output}; look at {', '.join(most)} and {last}")
+    *others, last = report["plots"]
+    print(f"{args.output}; look at {', '.join(others)} and {last}")
 
 
 def _tell_map(source):
@@ -216,7 +217,7 @@ def _choices(args):
         if args.trainer != "ebp":
             raise InputError("--epochs is an option of the trainer ebp")
         if args.epochs < 1:
-            raise InputError(f"{args.epochs} epochs are asked for, the least is 1")
+            raise InputError(f"{args.epochs} epochs are asked for, the minimum is 1")
         options["stop"] = Stop(epochs=args.epochs)
     return TrainingChoices(
         trainer=args.trainer, seed=args.seed, held_out=args.held_out, skip=args.skip,
@@ -230,7 +231,7 @@ def _tried(neurons, worst):
 
 
 def plot_training(trained, source, output, held_out=HELD_OUT):
-    """Write OUTPUT.errors.png and OUTPUT.learning.png beside ``output``; return their names.
+    """Write OUTPUT.errors.png and OUTPUT.learning.png next to ``output``; return their names.
 
     If several numbers of hidden neurons were tried, also OUTPUT.neurons.png.
     """
@@ -240,7 +241,7 @@ def plot_training(trained, source, output, held_out=HELD_OUT):
     report = trained.report
     title = f"integer network, {report['hidden_neurons']} hidden neurons, "
     if trained.error_maps:
-        plot_error_map(errors, trained.error_maps["fixed"], title + "against the true map")
+        plot_error_map(errors, trained.error_maps["fixed"], title + "from the true map")
     else:
         u, v, x, y = source.pairs
         width, height = source.geometry.corrected

@@ -8,7 +8,7 @@ __all__ = ["report_page"]
 def report_page(report, sections):
     """HTML text of a report.
 
-    ``report``: figures by name, shown in full at the end; ``sections``: dicts with ``title``,
+    ``report``: figures by name, shown in full at the end. ``sections``: dicts with ``title``,
     ``text``, and optionally ``pictures`` (file names) and ``rows`` (lists of cells, the first
     row the heading).
     """

@@ -27,11 +27,11 @@ def page(layout, form):
     width, height = layout.paper
     figure = Figure(figsize=(width / _INCH_MM, height / _INCH_MM))
     # From millimetres, downwards, to inches, upwards.
-    place = Affine2D().scale(1, -1).translate(0, height).scale(1 / _INCH_MM) \
+    transform = Affine2D().scale(1, -1).translate(0, height).scale(1 / _INCH_MM) \
         + figure.dpi_scale_trans
     for shape in layout.shapes:
-        figure.add_artist(_patch(shape, place))
-    _foot(figure, layout, place)
+        figure.add_artist(_patch(shape, transform))
+    _foot(figure, layout, transform)
     file = io.BytesIO()
     settings = {"svg.fonttype": "none", "svg.hashsalt": "ncdc", "pdf.fonttype": 42}
     stamp = {"pdf": {"CreationDate": None}, "svg": {"Date": None}}[form]
@@ -40,18 +40,18 @@ def page(layout, form):
     return file.getvalue()
 
 
-def _patch(shape, place):
-    fill = {"facecolor": "black", "edgecolor": "none", "linewidth": 0, "transform": place}
+def _patch(shape, transform):
+    fill = {"facecolor": "black", "edgecolor": "none", "linewidth": 0, "transform": transform}
     if isinstance(shape, Circle):
         return Ellipse((shape.x, shape.y), shape.diameter, shape.diameter, **fill)
     return Patch((shape.x, shape.y), shape.width, shape.height, **fill)
 
 
-def _foot(figure, layout, place):
-    """The ruler, and beside it what the page is and what to type."""
+def _foot(figure, layout, transform):
+    """The ruler, and next to it the kind of page and the option to type."""
     left, top = layout.foot
     top += _RULER_BELOW_MM
-    fill = {"facecolor": "black", "edgecolor": "none", "linewidth": 0, "transform": place}
+    fill = {"facecolor": "black", "edgecolor": "none", "linewidth": 0, "transform": transform}
     figure.add_artist(Patch((left, top), RULER_MM, _LINE_MM, **fill))
     for mark in range(0, RULER_MM + 1, 10):
         # The outer edges of the first and the last tick are 100 mm apart.
@@ -68,5 +68,5 @@ def _foot(figure, layout, place):
         size *= layout.paper[0] / _NARROW_MM
         words[0] = (left, top - 4.5, words[0][2])
     for x, y, text in words:
-        figure.text(x, y, text, transform=place, fontsize=size, va="center",
+        figure.text(x, y, text, transform=transform, fontsize=size, va="center",
                     family="DejaVu Sans")

@@ -1,4 +1,4 @@
-"""Where the shapes of a calibration target lie on a sheet of paper, in millimetres."""
+"""Shapes of a calibration target on a sheet of paper, in millimetres."""
 
 from dataclasses import dataclass
 
@@ -54,14 +54,14 @@ class Layout:
         Width and height of the sheet, millimetres.
     shapes : tuple of Circle and Rectangle
     target : str
-        What ``ncdc calibrate --target`` is told.
+        Value of ``ncdc calibrate --target``.
     points : int
         Points that are found on a whole picture of it.
     step : float
         Millimetres between neighbouring columns of points; of staggered circles twice that between
         neighbouring lines.
     description : str
-        What it is, with its sizes.
+        Kind of target, with its sizes.
     """
     paper: tuple
     shapes: tuple
@@ -72,7 +72,7 @@ class Layout:
 
     @property
     def foot(self):
-        """Upper and left edge of the place for ruler and text, millimetres."""
+        """Upper and left edge of the area for ruler and text, millimetres."""
         return _MARGIN, self.paper[1] - _MARGIN - _FOOT
 
 
@@ -175,12 +175,12 @@ def _turned(columns, rows, width, height):
 
 def _circles(name, columns, rows, step, turned):
     """Shapes, points and words of a grid of circles, from the corner of its own rectangle."""
-    line, place = np.divmod(np.arange(rows * columns), columns)
+    line, column = np.divmod(np.arange(rows * columns), columns)
     if name != "acircles":
-        size, x, y = _DOT * step, place * step, line * step
+        size, x, y = _DOT * step, column * step, line * step
         words = f"{columns} columns x {rows} rows of dots"
     else:
-        size, x, y = _STAGGERED_DOT * step, (place + line % 2 / 2) * step, line * step / 2
+        size, x, y = _STAGGERED_DOT * step, (column + line % 2 / 2) * step, line * step / 2
         words = f"{rows} lines, {step / 2:g} mm apart, of {columns} circles"
         if turned:
             # A quarter turn, no mirror: of an even number of lines that is another target.
@@ -197,13 +197,13 @@ def _chessboard(name, columns, rows, step, turned):
 
 
 def _charuco(name, columns, rows, step, turned):
-    """As OpenCV's CharucoBoard, whose object points say where the markers are."""
+    """Shapes of OpenCV's CharucoBoard, whose object points give the markers' corners."""
     import cv2
     dictionary = cv2.aruco.getPredefinedDictionary(getattr(cv2.aruco, _FAMILY))
-    most = len(dictionary.bytesList)
-    if columns * rows // 2 > most:
+    markers = len(dictionary.bytesList)
+    if columns * rows // 2 > markers:
         raise InputError(f"charuco:{columns}x{rows} needs {columns * rows // 2} markers, "
-                         f"{_FAMILY} has {most}")
+                         f"{_FAMILY} has {markers}")
     board = cv2.aruco.CharucoBoard((columns, rows), step, _MARKER * step, dictionary)
     shapes, white = [], set()
     cells = dictionary.markerSize + 2

@@ -39,7 +39,7 @@ class Placement:
 
     @property
     def slack(self):
-        """Of the worst clock."""
+        """Slack of the worst clock, as a share of its period."""
         return min(clock.slack for clock in self.clocks)
 
 
@@ -80,7 +80,7 @@ def clock_nets(netlist, clocks):
     Parameters
     ----------
     netlist : dict
-        Of Yosys.
+        Netlist of Yosys.
     clocks : dict
         {name: (cell, output)} that drives it. Names of nets may vanish in synthesis, those of
         cells of the device stay.
@@ -133,7 +133,7 @@ def pack(folder, seed):
 
 
 def resources(placement):
-    """What a placement uses, by the names of every report."""
+    """Resources of a placement, by the names of every report."""
     used = placement.used
     return {"lut": used["TRELLIS_COMB"], "ff": used["TRELLIS_FF"], "dsp": used["MULT18X18D"],
             "ram_blocks": used["DP16KD"]}

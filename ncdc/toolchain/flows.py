@@ -37,11 +37,11 @@ class SynthesisError(RuntimeError):
 
 
 class Registered(wiring.Component):
-    """A ``component`` with registers before its inputs, and behind its outputs if ``outputs``.
+    """A ``component`` with registers before its inputs, and after its outputs if ``outputs``.
 
     Alone on a device, a component's first stage would be timed from a pin and not from the
-    registers of the block before it; a path to a pin would not be timed at all. For synthesis
-    only: a stream with registers at valid and ready is none.
+    registers of the block before it. A path to a pin would not be timed at all. The wrapper is for
+    synthesis only: registers at valid and ready break a stream's handshake.
     """
 
     def __init__(self, component, outputs=False):
@@ -87,7 +87,7 @@ def synthesise(verilog, top, *, seeds=SEEDS, progress=None):
     top : str
         Top module, with one clock ``clk``.
     seeds : sequence of int
-        Of the placement.
+        Seeds of place and route.
     progress : callable
         Called with the name of each step.
 
@@ -114,10 +114,10 @@ def cyclone_v(verilog, top, *, progress=lambda step: None):
     """Size on Cyclone V, before placement: the open flow ends there.
 
     An ALM holds two ALUTs and four flip-flops: ``alm`` is the larger of half the ALUTs and a
-    quarter of the flip-flops, the least that a fitter can reach. ``dsp`` counts blocks, each of
+    quarter of the flip-flops, the minimum that a fitter can reach. ``dsp`` counts blocks, each of
     one product of 27 x 27 bits, two of 18 x 18 or three of 9 x 9. A memory that would not fill a
-    third of its M10Ks is made of MLABs, each of ten ALMs: their words of 32 x 1 bit, 20 of them,
-    count as ALUTs.
+    third of its M10Ks is made of MLABs, each of ten ALMs. An MLAB's 20 words of 32 x 1 bit count
+    as ALUTs.
     """
     progress("Cyclone V: Yosys")
     with tempfile.TemporaryDirectory(prefix="ncdc-") as name:
@@ -143,8 +143,8 @@ memory_bram -rules lutram_mlab.txt
 setparam -unset INIT t:MISTRAL_MLAB
 {_ALM} -run map_ffram:
 """
-# What we change in Yosys's rules: M10Ks are for memories that fill them to 33 percent, and an MLAB
-# can have initial values, as its simulation model in Yosys has.
+# Changes to Yosys's rules. M10Ks are for memories that fill them to 33 percent. An MLAB can have
+# initial values, as its simulation model in Yosys has.
 _RULES = {"bram_m10k.txt": (r"min efficiency 5\b", "min efficiency 33"),
           "lutram_mlab.txt": (r"init +0\b", "init 1")}
 
@@ -162,8 +162,8 @@ def cyclone_iv(verilog, top, *, progress=lambda step: None):
     """Size on Cyclone IV E, before placement: ``lut``, ``ff``, ``le``, ``multipliers_18x18``,
     ``m9k``.
 
-    ``le``, logic elements: each holds a LUT, and a flip-flop that takes what this LUT gives; other
-    flip-flops count as an element each, though a fitter finds room for many of them.
+    ``le``, logic elements: each holds a LUT, and a flip-flop at the output of that LUT. Other
+    flip-flops count as an element each, though a fitter can pack many of them.
 
     Yosys's flow for this family knows no multiplier, and its cells of block RAM no contents: both
     become boxes of our own, which are counted. The flip-flops around multipliers, which a fitter
@@ -226,7 +226,7 @@ endmodule
 """
 
 
-# What the Cyclones' flows consist of beside their functions.
+# Files of the Cyclones' flows, as well as their functions.
 SCRIPTS = {"cyclonev": (_CYCLONE_V, repr(_RULES)), "cycloneiv": (_CYCLONE_IV, _BOXES, _MEMORY)}
 
 
@@ -242,7 +242,7 @@ def plain_netlist(verilog, top, *, progress=lambda step: None):
 def absorbed(netlist, top):
     """A netlist of :func:`plain_netlist`, the registers of its hard blocks in use.
 
-    What vendors' tools do and Yosys does not: the three steps of ``ecp5_netlist/``.
+    Runs the three steps of ``ecp5_netlist/``, which vendors' tools do and Yosys does not.
     """
     netlist = json.loads(netlist)
     absorb_output_registers(netlist, top)

@@ -1,4 +1,4 @@
-"""Compiled simulations, kept between runs in one folder per build."""
+"""Compiled simulations, cached between runs in one folder per build."""
 
 import fcntl
 import hashlib
@@ -12,7 +12,7 @@ from ncdc_spec.errors import InputError
 
 __all__ = ["builds_folder", "built", "key_of", "without_header"]
 
-KEPT = 14 * 24 * 3600      # seconds since its last use after which a build is removed
+MAX_AGE = 14 * 24 * 3600      # seconds since its last use after which a build is removed
 
 
 def builds_folder():
@@ -47,7 +47,7 @@ def built(key, build):
     """Folder of the build ``key``; ``build(folder)`` fills it if it is not there.
 
     Two processes that ask for the same build at once make it once. A build that fails, or is
-    interrupted, leaves nothing behind.
+    interrupted, leaves no files.
 
     Raises
     ------
@@ -76,7 +76,7 @@ def built(key, build):
 
 
 def _remove_old(root):
-    limit = time.time() - KEPT
+    limit = time.time() - MAX_AGE
     for entry in root.iterdir():
         try:
             if entry.is_dir() and entry.stat().st_mtime < limit:

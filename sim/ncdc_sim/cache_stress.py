@@ -1,4 +1,4 @@
-"""The tile cache's Verilog on random windows, against a random memory and a random sink."""
+"""The tile cache's Verilog on random windows, with a random memory and a random sink."""
 
 import tempfile
 from pathlib import Path
@@ -24,7 +24,7 @@ def stress_cache(cache, *, groups, seed=1, resets=0):
     groups : int
         Groups of as many windows as the cache has lanes.
     seed : int
-        Of all random behaviour.
+        Seed of all random behaviour.
     resets : int
         Frames of 256 that a reset cuts short.
 

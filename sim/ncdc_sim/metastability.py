@@ -18,8 +18,8 @@ __all__ = ["Metastability", "metastable_counts", "metastable_design", "metastabl
 _KINDS = ("metastable_flop", "metastable_reset")
 
 
-class _Kept(wiring.Component):
-    """Keeps the place of a module of ``hdl/metastable.v``: a module with the same ports."""
+class _Placeholder(wiring.Component):
+    """Placeholder of a module of ``hdl/metastable.v``, with the same ports."""
 
     def __init__(self, width, number):
         self.number = number
@@ -28,31 +28,31 @@ class _Kept(wiring.Component):
     def elaborate(self, platform):
         m = Module()
         m.domains.flop = ClockDomain(local=True, reset_less=True)
-        # The number keeps equal ones apart: each is to have chances of its own.
+        # The number distinguishes equal ones: each has a random sequence of its own.
         m.d.comb += ClockSignal("flop").eq(self.clk)
         m.d.flop += self.o.eq(self.i ^ self.number)
         return m
 
 
-class MetastableFlop(_Kept):
-    """Of a signal."""
+class MetastableFlop(_Placeholder):
+    """First flop of a signal's synchroniser."""
 
 
-class MetastableReset(_Kept):
-    """Of the end of an asynchronous reset."""
+class MetastableReset(_Placeholder):
+    """First flop of a synchroniser for the end of an asynchronous reset."""
 
 
 class Metastability:
     """An Amaranth platform: the first flop of each synchroniser has a module of its own.
 
-    Only :func:`metastable_verilog` makes of that module what is metastable.
+    :func:`metastable_verilog` replaces that module by the metastable one.
     """
 
     def __init__(self):
         self.count = 0      # synchronisers
 
     def get_ff_sync(self, synchroniser):
-        """What Amaranth takes for an FFSynchronizer."""
+        """Amaranth's replacement for an FFSynchronizer."""
         m = Module()
         i, domain, init = synchroniser.i, synchroniser._o_domain, synchroniser._init
         if not synchroniser._reset_less:
@@ -68,7 +68,7 @@ class Metastability:
         return m
 
     def get_async_ff_sync(self, synchroniser):
-        """What it takes for an AsyncFFSynchronizer, and for a ResetSynchronizer."""
+        """Amaranth's replacement for an AsyncFFSynchronizer and a ResetSynchronizer."""
         m = Module()
         m.domains.after = ClockDomain(async_reset=True, local=True)
         m.submodules.first = first = self._first(MetastableReset, 1)
@@ -122,8 +122,9 @@ def metastable_design(component, top="dut", platform=None):
 
 
 def metastable_counts(log):
-    """How often at least each bit took what a plain flop would not have taken, by its path: its
-    input's value before a change (``late``), or that behind it (``early``).
+    """How often each bit, by its path, took another value than a plain flop, as a lower bound.
+
+    That is its input's value before a change (``late``), or after it (``early``).
 
     ``log``: what a simulation printed.
     """

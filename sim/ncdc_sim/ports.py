@@ -14,7 +14,7 @@ _DECLARATION = re.compile(r"^\s*(?:input|output)\s+(?:reg\s+|wire\s+)?(?:signed\
 def ports_of(verilog, module):
     """Widths in bits of the ports of ``module``, by name.
 
-    Understands one declaration per line, in the module's header or behind it.
+    Understands one declaration per line, in the module's header or after it.
 
     Raises
     ------

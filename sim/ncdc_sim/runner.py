@@ -50,9 +50,9 @@ def build(name, top, sources, *, defines=None, simulator="verilator", main=None,
     options : sequence of str
         More options for Verilator.
     optimise : str or None
-        Option of the C++ compiler (Verilator only). None: what ``NCDC_OPTIMISE`` says, else -O2.
-        -O0 compiles in a third of the time and simulates at a third of the speed: it suits runs
-        of less than some hundred thousand clocks.
+        Option of the C++ compiler (Verilator only). None: that of ``NCDC_OPTIMISE``, else -O2.
+        With -O0 it compiles in a third of the time and simulates at a third of the speed, which
+        suits runs of less than some hundred thousand clocks.
 
     Raises
     ------
@@ -98,9 +98,9 @@ def _coverage():
 def _make_flags(optimise, main, options):
     """Verilator's options for compiling its C++.
 
-    Without optimisation most of the time goes into headers, once per file and twice for the
-    precompiled header: one file of all is faster, the main program within it where Verilator
-    writes no supporting files of its own, as it does for waveforms.
+    Without optimisation headers take most of the time, once per file and twice for the precompiled
+    header: a single file is faster. It includes the main program, unless Verilator writes
+    supporting files of its own, as it does for waveforms.
     """
     flags = [f"OPT_FAST={optimise}"]
     if optimise == "-O0":

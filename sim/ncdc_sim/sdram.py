@@ -1,4 +1,4 @@
-"""The SDRAM controller's Verilog on random traffic, with the chip's model behind it."""
+"""The SDRAM controller's Verilog on random traffic, with the chip's model at its pins."""
 
 import tempfile
 from dataclasses import dataclass
@@ -16,17 +16,17 @@ __all__ = ["ALONE", "ANYWHERE", "CORRECTOR", "Host", "ONWARDS", "SILENT", "chip_
 SILENT, ANYWHERE, ONWARDS, CORRECTOR = range(4)
 ALONE = 255     # a gap: the next command is given when the one before it is over
 
-_KEPT = 3       # bits of a row's number that tell stored rows apart
+_ROW_BITS = 3   # bits of a row's number that distinguish stored rows
 
 
 @dataclass(frozen=True)
 class Host:
-    """Traffic of a host: its kind; the chance of 256 that a clock passes without a command or a
-    word, or :data:`ALONE`; words of a burst, at least and at most."""
+    """Traffic of a host: its kind; how many of 256 clocks pass without a command or a word, or
+    :data:`ALONE`; minimum and maximum words of a burst."""
     kind: int = ANYWHERE
     gap: int = 100
-    least: int = 1
-    most: int = 8
+    min_words: int = 1
+    max_words: int = 8
 
 
 def chip_parameters(chip, clock_hz, **other):
@@ -58,20 +58,20 @@ def run_sdram(controller, hosts, *, clocks, clock_hz, simulator="verilator", **s
     clocks : int
         After the initialisation.
     clock_hz : number
-        What the chip's times are compared with.
+        Clock with which the chip's times are checked.
     simulator : str
         One of ``ncdc_sim.tools.SIMULATORS``.
     settings
-        ``seed``; ``resets``, mean clocks between two; ``times``, of the chip's model that differ,
-        in ps by the names of its parameters.
+        ``seed``; ``resets``, mean clocks between two; ``times``, changed times of the chip's model
+        in ps, by the names of its parameters.
 
     Returns
     -------
     dict
         Numbers: ``violations``, ``wrong`` words, ``checked`` and ``unsure`` ones, ``port_errors``,
-        ``refreshes``, ``refresh_most``, ``beats`` of data, ``resets``; ``words`` and ``longest``
-        (clocks from a command accepted alone to its last word) of each host; and ``rules``, the
-        set of rules broken.
+        ``refreshes``, ``refresh_most``, ``beats`` of data, ``resets``. Of each host ``words`` and
+        ``longest`` (clocks from a command accepted alone to its last word). ``rules``: the set of
+        rules violated.
 
     Raises
     ------
@@ -79,7 +79,7 @@ def run_sdram(controller, hosts, *, clocks, clock_hz, simulator="verilator", **s
         If it does not compile, or ends without a result.
     """
     place = controller.mapping
-    parameters = chip_parameters(place.chip, clock_hz, KEPT=_KEPT)
+    parameters = chip_parameters(place.chip, clock_hz, KEPT=_ROW_BITS)
     defines = {"NCDC_READS": controller.count, "NCDC_DATA": place.data_width,
                "NCDC_BURST": place.max_burst, "NCDC_COLUMNS": place.column_bits,
                "NCDC_ROWS": place.chip.row_bits, "NCDC_BEATS": place.beats}
@@ -95,8 +95,9 @@ def run_sdram(controller, hosts, *, clocks, clock_hz, simulator="verilator", **s
                     optimise="-O2" if clocks > 300_000 else "-O0")
     plusargs = {"clocks": clocks, "seed": settings.get("seed", 1),
                 "resets": settings.get("resets", 0)} | settings.get("times", {})
-    plusargs |= {name: "".join(f"{getattr(host, name):02x}" for host in reversed(hosts))
-                 for name in ("kind", "gap", "least", "most")}
+    plusargs |= {name: "".join(f"{getattr(host, field):02x}" for host in reversed(hosts))
+                 for name, field in (("kind", "kind"), ("gap", "gap"), ("least", "min_words"),
+                                     ("most", "max_words"))}
     return _results(program, plusargs, len(hosts))
 
 

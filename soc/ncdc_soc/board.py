@@ -83,16 +83,16 @@ def board_processor(board, clock_hz):
 
 @dataclass(frozen=True)
 class ProcessorFiles:
-    """What a design with a processor has besides its top.
+    """Files of a design with a processor, as well as its top.
 
     Parameters
     ----------
     verilog : dict
         Text of the processor's Verilog, by the files' names.
     memories : dict
-        Text of what its memories begin with, which its Verilog reads, likewise.
+        Text of the initial contents of its memories, which its Verilog reads, by the files' names.
     code_bytes, ram_bytes : int
-        Of the firmware.
+        Sizes of the firmware.
     """
     verilog: dict
     memories: dict

@@ -1,4 +1,4 @@
-"""What of the system is ours: camera, corrector and packetiser, with ports for LiteX."""
+"""The project's part of the system: camera, corrector and packetiser, with ports for LiteX."""
 
 from amaranth import *
 from amaranth.back import verilog
@@ -25,8 +25,8 @@ class SocCore(wiring.Component):
     ----------
     descriptor : Descriptor
     hardware : Hardware
-        With the bus "axi": its write host waits for answers, so that a frame is handed on only
-        when the controller has all of it. Its corrected frames go to memory.
+        With the bus "axi". Its write host waits for answers: a frame is complete only when the
+        controller has all of it. Its corrected frames go to memory.
     readers : int
         That claim frames by registers.
     capacity : int
@@ -74,7 +74,7 @@ class SocCore(wiring.Component):
             ours, inner = getattr(self, name), getattr(system, name)
             flow = system.signature.members[name].flow
             m.d.comb += ours.eq(inner) if flow is Out else inner.eq(ours)
-        # One reset is LiteDRAM's and the bridges' too: they forget what they have accepted.
+        # The reset is LiteDRAM's and the bridges' too: they drop the commands they have accepted.
         m.d.comb += [system.memory_rst.eq(ResetSignal()), link.irq.eq(system.irq)]
         connect(m, flipped(self.processor), link.processor)
         connect(m, link.system, ports_as(system, "csr", Agent(SYSTEM_WORDS_BITS).flip()))

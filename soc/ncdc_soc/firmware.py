@@ -1,4 +1,4 @@
-"""The firmware: its configuration, made of the tables that all of NCDC shares, and its image."""
+"""The firmware: its image, and its configuration from the tables that all of NCDC shares."""
 
 import io
 import re
@@ -35,7 +35,7 @@ __all__ = ["FIRMWARE", "Identity", "config", "firmware_image", "host_program"]
 FIRMWARE = Path(__file__).resolve().parent / "firmware_source"
 _SPECS = "picolibc.specs"       # of the C library
 _COMPILER = "riscv64-unknown-elf-gcc"
-_I2C_QUARTER_LEAST = 8      # clocks
+_I2C_QUARTER_MIN = 8      # clocks
 _USERS = 8                  # of Table I at a time
 _SENSOR_LAST = 0xFF         # address of the sensor's last register
 # Registers of the corrector that a controller writes and that belong to no set.
@@ -56,12 +56,12 @@ _SMALL = ("-Os", "-msave-restore")      # the rest, and lwIP
 
 @dataclass(frozen=True)
 class Identity:
-    """Who the device is on the network.
+    """Identity of the device on the network.
 
     Parameters
     ----------
     ip, mask, mac : str
-        With the address 0.0.0.0 it asks DHCP, and takes a link-local one if nobody answers. Each
+        With the address 0.0.0.0 it asks DHCP, and takes a link-local one without an answer. Each
         device of a network needs a MAC address of its own.
     time_scale : int
         So many times faster pass lwIP's milliseconds, for simulations that wait for its time-outs.
@@ -81,13 +81,13 @@ class Identity:
 
     @property
     def serial(self):
-        """Serial number, which tells two devices apart: the digits of the MAC address."""
+        """Serial number, which identifies the device: the digits of the MAC address."""
         return self.mac.replace(":", "").upper()
 
 
 def config(system, capacity, soc, setup, corner, identity=Identity(), *, sets_up=1,
            first_reader=0):
-    """Text of ``config.h``: all that the C does not know of itself.
+    """Text of ``config.h``: the figures of the system that the C sources use.
 
     Parameters
     ----------
@@ -96,15 +96,16 @@ def config(system, capacity, soc, setup, corner, identity=Identity(), *, sets_up
         Bytes of a packet's payload, at most: as of :class:`Packetiser`.
     soc : ProcessorVerilog
     setup : Setup
-        Of the sensor.
+        Configuration of the sensor.
     corner : Crop
-        What capture makes of the sensor's frames.
+        The part of the sensor's frames that capture keeps.
     identity : Identity
     sets_up : int
-        The firmware sets up camera and sensor, with the sensor's times and the I2C bus so many
-        times faster than on a board: 1, more in simulations. 0: another part of the design does.
+        0: another part of the design initialises camera and sensor. Else the firmware does, with
+        the sensor's times and the I2C bus so many times faster than on a board: 1, more in
+        simulations.
     first_reader : int
-        Of the readers of frames, the first that is the firmware's.
+        Number of the firmware's first reader among the readers of frames.
     """
     lines = ["/* Made by ncdc_soc.firmware. */", "#ifndef CONFIG_H", "#define CONFIG_H"]
     lines += [f"#define {name} {value}" for name, value in {
@@ -181,11 +182,11 @@ def _pictures(system, setup):
 
 def _quarter(soc, sets_up):
     """Clocks of a quarter of a bit of the I2C bus, with ``sets_up`` of :func:`config`."""
-    return max(_I2C_QUARTER_LEAST, quarter_clocks(soc.clock_hz, I2C_HZ) // max(1, sets_up))
+    return max(_I2C_QUARTER_MIN, quarter_clocks(soc.clock_hz, I2C_HZ) // max(1, sets_up))
 
 
 def _field(setup, crop, geometry):
-    """What part of the sensor raw frames show."""
+    """The part of the sensor that raw frames show."""
     values = field_values(setup, crop, geometry)
     at = {word.address: values[word.name] for word in SYSTEM_WORDS if word.name in values}
     first = min(at)
@@ -195,7 +196,7 @@ def _field(setup, crop, geometry):
 
 def _sensor(setup, clock_hz, time_scale):
     sensor = setup.sensor
-    # Its reset pin is not the firmware's: whatever ends it, the firmware begins with it or later.
+    # The reset pin is not the firmware's: the firmware begins with the end of that reset, or later.
     awake_us = sum(wake_times(sensor.waking, setup.settings.clock_hz))
     (identity, value), *_ = sensor.chip_id
     writes = [f"{{0x{w.register:x}, 0x{w.value:x}, {w.wait_us}}}" for w in setup.writes]
@@ -254,7 +255,7 @@ def _protocols(identity, clock_hz, colour):
              "SecondUrl": ""}
     return {
         **{f"WORD_{word.name}": _hex(word.address) for word in SYSTEM_WORDS},
-        **{f"BOOT_{place.name}": _hex(place.address) for place in gvcp.BOOTSTRAP},
+        **{f"BOOT_{one.name}": _hex(one.address) for one in gvcp.BOOTSTRAP},
         "GVCP_FEATURE_BASE": _hex(gvcp.FEATURE_BASE), "GVCP_XML_BASE": _hex(gvcp.XML_BASE),
         "GVCP_CORRECTOR_BASE": _hex(gvcp.CORRECTOR_BASE),
         "GVCP_CORRECTOR_BYTES": _hex(gvcp.CORRECTOR_BYTES),
@@ -340,8 +341,8 @@ def _settings(system, setup, corner, quarter):
         "SENT_WIDTH": setup.timing.width, "SENT_HEIGHT": setup.timing.height,
         "WINDOW_LEFT": crop.left, "WINDOW_TOP": crop.top, "BLACK_LEVEL": setup.sensor.black,
         "CLOCK_LIMIT": 2 * setup.timing.frame_clocks, "I2C_QUARTER": quarter}
-    places = {r.name: r.address for r in system.table}
-    return _braced(_braced([_hex(MAP["ncdc"] + 4 * places[name]), _hex(value)])
+    addresses = {r.name: r.address for r in system.table}
+    return _braced(_braced([_hex(MAP["ncdc"] + 4 * addresses[name]), _hex(value)])
                    for name, value in values.items())
 
 
@@ -353,7 +354,7 @@ def firmware_image(text, soc, folder):
     Raises
     ------
     InputError
-        If there is no source or no compiler, or it refuses.
+        If there is no source or no compiler, or it reports an error.
     """
     if not FIRMWARE.is_dir():
         raise InputError(f"{FIRMWARE} is missing, which NCDC's wheel has: install NCDC again")
@@ -364,10 +365,10 @@ def firmware_image(text, soc, folder):
                          "install picolibc-riscv64-unknown-elf")
     folder = Path(folder)
     (folder / "config.h").write_text(text)
-    places = [f"-Wl,--defsym={name.upper()}_{what}={value:#x}" for name in ("rom", "sram")
+    symbols = [f"-Wl,--defsym={name.upper()}_{what}={value:#x}" for name in ("rom", "sram")
               for what, value in zip(("BASE", "BYTES"), soc.memories[name])]
     lwip = lwip_source()
-    # lwIP's headers are others' code: what the compiler says of them is not ours to mend.
+    # lwIP's headers are third-party code, whose warnings are ignored.
     headers = [f"-I{folder}", f"-I{FIRMWARE}", f"-I{FIRMWARE / 'lwip_port'}", "-isystem",
                str(lwip / "include")]
     fast = [FIRMWARE / name for name in _SOURCES if name not in _SLOW]
@@ -377,7 +378,7 @@ def firmware_image(text, soc, folder):
         (folder / name).mkdir(exist_ok=True)
         _run([_COMPILER, *options, *_OPTIONS, *headers, "-c", *map(str, sources)], folder / name)
     objects = sorted(map(str, folder.glob("*/*.o")))
-    _run([_COMPILER, *_OPTIONS, f"-T{FIRMWARE / 'link.ld'}", *places, *objects, "-o",
+    _run([_COMPILER, *_OPTIONS, f"-T{FIRMWARE / 'link.ld'}", *symbols, *objects, "-o",
           str(folder / "firmware.elf")])
     binary = folder / "firmware.bin"
     _run(["riscv64-unknown-elf-objcopy", "-O", "binary", str(folder / "firmware.elf"),

@@ -21,7 +21,7 @@ FILES = tuple(f"core/{name}.c" for name in (
     "init", "def", "inet_chksum", "ip", "mem", "memp", "netif", "pbuf", "sys", "tcp", "tcp_in",
     "tcp_out", "timeouts", "udp", "ipv4/autoip", "ipv4/dhcp", "ipv4/etharp", "ipv4/icmp",
     "ipv4/ip4", "ipv4/ip4_addr")) + ("netif/ethernet.c",)
-"""What of ``src`` is compiled."""
+"""Files of ``src`` that are compiled."""
 
 
 def lwip_source():

@@ -19,14 +19,14 @@ class ModelPhy(LiteEthPHYModel):
 
     def __init__(self, pads):
         super().__init__(pads)
-        # Without it LiteEth's MAC looks at no check sequence.
+        # Without it LiteEth's MAC checks no check sequence.
         self.comb += self.source.last_be.eq(self.source.last)
 
 
 class Mac(LiteXModule):
     """Frames of the processor and of the packetiser, one whole frame at a time, in turn.
 
-    What is received goes to the processor alone.
+    Received frames go to the processor alone.
 
     Parameters
     ----------
@@ -34,14 +34,14 @@ class Mac(LiteXModule):
     slots : int
         Frames received that may wait for the processor.
     in_words : bool
-        Preamble, padding and check sequence are of words, with the system's clock, which must be
-        above 31.25 MHz then; else of bytes, with the interface's, for which slow devices have no
-        time at 1000 Mbit/s.
+        Process preamble, padding and check sequence as words, with the system's clock, which must
+        be above 31.25 MHz. Else as bytes, with the interface's clock; slow devices do not meet
+        timing with it at 1000 Mbit/s.
 
     Attributes
     ----------
     frames : stream.Endpoint
-        What the packetiser sends, 32 bits, the first byte in the lowest.
+        Frames of the packetiser, 32 bits, the first byte in the lowest.
     bus_rx, bus_tx : wishbone.Interface
         The processor's frames, ``SLOT_BYTES`` each.
     ev : EventManager

@@ -35,8 +35,8 @@ class NCDC(LiteXModule):
     """Corrects raw frames in LiteDRAM's memory, to the same memory or as a video stream.
 
     Addresses in its registers count bytes from the memory's own beginning. The processor sees the
-    memory at ``main_ram``; a memory of 2^n bytes at a multiple of 2^n has the same lower bits, and
-    the upper ones are dropped, so that the processor's addresses do as well.
+    memory at ``main_ram``. The registers take the processor's addresses as well, if a memory of 2^n
+    bytes lies at a multiple of 2^n: the upper bits are dropped.
 
     Parameters
     ----------
@@ -49,8 +49,8 @@ class NCDC(LiteXModule):
     hardware : Hardware, optional
         How it is built. If absent: ports as wide as the controller's, corrected frames to memory.
     name : str, optional
-        Of the Verilog module. If absent ``ncdc``, ``ncdc1`` and so on, the first one of which the
-        platform has no source.
+        Name of the Verilog module. If absent ``ncdc``, ``ncdc1`` and so on, the first one of which
+        the platform has no source.
     folder : path
         Where ``name.v`` is written.
 
@@ -59,9 +59,9 @@ class NCDC(LiteXModule):
     bus : wishbone.Interface
         A slave of 32 bits: the registers, as in the register map. For :meth:`region`.
     source : stream.Endpoint(video_data_layout)
-        Of hardware with the output "stream": a pixel per beat, ``de`` high with each, ``first`` and
-        ``last`` at a frame's ends; ``hsync`` and ``vsync`` stay low, as frames have no timing of a
-        screen. It waits for ``ready`` as long as need be. None otherwise.
+        Of hardware with the output "stream", else None. A pixel per beat, ``de`` high with each,
+        ``first`` and ``last`` at a frame's ends. ``hsync`` and ``vsync`` stay low, as frames have
+        no timing of a screen. It waits for ``ready`` without a limit.
     ev : EventManager
         The event ``frame``: high while STATUS.DONE is, if IRQ_ENABLE lets it. Writing 1 to
         STATUS.DONE ends it.
@@ -70,8 +70,8 @@ class NCDC(LiteXModule):
     Raises
     ------
     InputError
-        If the hardware fits neither the camera nor the controller, its stream has more than one
-        pixel per clock or packets, or the name is no Verilog name or taken.
+        If the hardware fits neither the camera nor the controller. If its stream has more than one
+        pixel per clock, or packets. If the name is no Verilog name, or taken.
     """
 
     def __init__(self, platform, net, crossbar, hardware=None, name=None, folder="build"):
@@ -104,7 +104,7 @@ class NCDC(LiteXModule):
 
     @staticmethod
     def region(origin=None):
-        """The :class:`SoCRegion` of the registers at a byte address, or where LiteX finds room."""
+        """The :class:`SoCRegion` of the registers at a byte address, or where LiteX finds space."""
         return SoCRegion(origin=origin, size=4 << ADDRESS_WORDS_BITS, cached=False)
 
     def _memory(self, port, prefix):
@@ -131,8 +131,10 @@ class NCDC(LiteXModule):
 
 
 def _name(platform, asked):
-    """The name ``asked`` for, or the first free one: of the ``platform``'s sources none is called
-    like it, whose module would be taken for this one's."""
+    """The name ``asked`` for, or the first that none of the ``platform``'s sources has.
+
+    A source of the same name would replace this one's module.
+    """
     taken = {Path(source).stem for source, *_ in platform.sources}
     if asked is None:
         return next(name for k in count() if (name := f"ncdc{k or ''}") not in taken)
@@ -142,7 +144,7 @@ def _name(platform, asked):
 
 
 def _check(hardware, width):
-    """Refuse hardware that neither the controller nor LiteX's video can have."""
+    """Reject hardware that the controller or LiteX's video does not support."""
     if hardware.data_width != width:
         raise InputError(f"the memory's data width is {hardware.data_width}, LiteDRAM's controller "
                          f"has {width}")

@@ -14,7 +14,7 @@ __all__ = ["ModuleCore"]
 
 
 class ModuleCore(wiring.Component):
-    """A corrector behind a Wishbone bus, on native ports of LiteDRAM.
+    """A corrector on a Wishbone bus, with native ports of LiteDRAM.
 
     Parameters
     ----------
@@ -27,7 +27,7 @@ class ModuleCore(wiring.Component):
     bus : ``In(Wishbone(ADDRESS_WORDS_BITS))``
         The corrector's registers.
     port0, port1, .. : native ports
-        Those of the corrector's reads; behind them that of its writes (output "memory").
+        Those of the corrector's reads, then that of its writes (output "memory").
     stream_valid, stream_ready, stream_data, stream_startofpacket, stream_endofpacket :
         As of :class:`Corrector` (output "stream").
     irq : ``Out(1)``
@@ -35,7 +35,7 @@ class ModuleCore(wiring.Component):
 
     Timing
     ------
-    What the bridges take, see :class:`WishboneAgent`, :class:`NativeReader` and
+    The latency of the bridges, see :class:`WishboneAgent`, :class:`NativeReader` and
     :class:`NativeWriter`; a stream takes no clock.
     """
 
@@ -58,7 +58,7 @@ class ModuleCore(wiring.Component):
         m.submodules.bridge = bridge = WishboneAgent(ADDRESS_WORDS_BITS)
         connect(m, flipped(self.bus), bridge.host)
         agent = bridge.agent
-        # One reset is LiteDRAM's and the bridges' too: they forget what they have accepted.
+        # The reset is LiteDRAM's and the bridges' too: they drop the commands they have accepted.
         m.d.comb += [self.irq.eq(corrector.irq), corrector.memory_rst.eq(ResetSignal())]
         for name, member in agent.signature.members.items():
             inner, outer = getattr(agent, name), getattr(corrector, f"csr_{name}")

@@ -42,15 +42,16 @@ class _Clock(LiteXModule):
 
 
 class ModuleSoc(SoCCore):
-    """Memory, the corrector, a bus master at the pins as a bridge to a PC would be, and perhaps a
-    processor whose program is in a ROM at 0.
+    """Memory, the corrector, and a bus master at the pins, as a bridge to a PC would be.
+
+    With ``cpu`` also a processor, whose program is in a ROM at 0.
 
     Parameters
     ----------
     platform : SimPlatform
     net : Descriptor or path
     hardware : Hardware or None
-        Of :class:`NCDC`.
+        Hardware of :class:`NCDC`.
     cpu : str or None
         LiteX's name of the processor.
     folder : path
@@ -104,7 +105,7 @@ class ModuleSoc(SoCCore):
 
 @dataclass(frozen=True)
 class ModuleSocVerilog:
-    """What is compiled.
+    """Verilog of the system, and the addresses of its registers.
 
     Parameters
     ----------

@@ -21,12 +21,12 @@ MAP = {"rom": 0x0000_0000, "sram": 0x1000_0000, "ncdc": 0x9000_0000, "ethmac_rx"
 
 _SRAM_BYTES = 0x10000
 _RX_SLOTS, _TX_SLOTS = 4, 2
-_WATCHDOG_DELAY = 1             # clocks from its end to the reset; of 0 its timer makes no sense
+_WATCHDOG_DELAY = 1             # clocks from its end to the reset; its timer does not support 0
 
 
 @dataclass(frozen=True)
 class ProcessorVerilog:
-    """A processor, and what the firmware must know of it.
+    """A processor, and its properties that the firmware depends on.
 
     Parameters
     ----------
@@ -70,14 +70,14 @@ class Processor(SoCCore):
     platform : LiteX platform
     clock_hz : int
     phy : LiteX PHY
-        Of the MAC.
+        PHY of the MAC.
     rom_bytes : int
     uart : str
-        As LiteX names it; "stub": nobody listens.
+        As LiteX names it; "stub": none.
     clocks : LiteXModule
         With the domain ``sys`` and a signal ``rst``, of the watchdog.
     in_words : bool
-        Of :class:`Mac`.
+        Parameter of :class:`Mac`.
 
     Attributes
     ----------

@@ -1,4 +1,4 @@
-"""Verilog of a LiteX design: no tree of modules on the terminal, the same text whatever the day."""
+"""Verilog of a LiteX design, reproducible, without LiteX's log on the terminal."""
 
 import contextlib
 import io
@@ -13,7 +13,7 @@ def litex_verilog(platform, make, name):
 
     LiteX's header is left out: it has the date in it.
     """
-    logging.disable(logging.INFO)       # LiteX tells its whole tree of modules
+    logging.disable(logging.INFO)       # LiteX logs its whole tree of modules
     try:
         with contextlib.redirect_stdout(io.StringIO()):
             design = make()

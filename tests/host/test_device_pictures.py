@@ -7,7 +7,7 @@ import pytest
 
 from cameras import barrel_descriptor
 from devices import SIZE, device, small_lens
-from ncdc_host.client.errors import Refused
+from ncdc_host.client.errors import Rejected
 from ncdc_host.client.lens import LensLoader
 from ncdc_host.device.camera import picture_of
 from ncdc_host.device.correction import Correction
@@ -204,7 +204,7 @@ def test_a_lens_with_other_nodes_is_refused(own, lens):
     try:
         loader = LensLoader(Memory(one))
         assert loader.limits().nodes == own
-        with pytest.raises(Refused, match=f"nodes {lens} pixels apart, the device {own}"):
+        with pytest.raises(Rejected, match=f"nodes {lens} pixels apart, the device {own}"):
             loader.load(replace(small_lens(seed=7), nodes=lens))
         loader.load(replace(small_lens(seed=7), nodes=own))
     finally:
@@ -217,7 +217,7 @@ def test_a_lens_of_the_other_interpolation_is_refused(own, lens):
     try:
         loader = LensLoader(Memory(one))
         assert loader.limits().interpolation == own.name
-        with pytest.raises(Refused, match=f"the lens is for the interpolation {lens.name}, the "
+        with pytest.raises(Rejected, match=f"the lens is for the interpolation {lens.name}, the "
                                           f"device has {own.name}"):
             loader.load(small_lens(seed=7, interpolation=lens))
         loader.load(small_lens(seed=7, interpolation=own))

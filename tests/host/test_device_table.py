@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from devices import SIZE, device, small_lens
-from ncdc_host.client.errors import BadValue, DeviceError, DeviceGone, Refused
+from ncdc_host.client.errors import BadValue, DeviceError, DeviceGone, Rejected
 from ncdc_host.client.table import Connection, TableDevice
 from ncdc_model.example import noise_picture
 from ncdc_model.golden.corrector import correct
@@ -85,7 +85,7 @@ def test_every_feature_is_set_and_read_back(one):
                 info.kind, (info.minimum, info.maximum))
             for value in values if info.writable else ():
                 if name == "PixelFormat" and value.startswith("Bayer") and value != "BayerRG8":
-                    with pytest.raises(Refused, match="is refused by tcp"):
+                    with pytest.raises(Rejected, match="is rejected by tcp"):
                         client.set(name, value)
                     continue
                 assert client.set(name, value) == pytest.approx(value) if info.kind == "float" \
@@ -111,7 +111,7 @@ def test_bad_values_are_named(one, name, value, message):
             client.set(name, value)
         with pytest.raises(DeviceError, match="no feature 'Nonsense'"):
             client.get("Nonsense")
-        with pytest.raises(Refused, match="WidthMax is read-only"):
+        with pytest.raises(Rejected, match="WidthMax is read-only"):
             client.set("WidthMax", 32)
 
 
@@ -152,7 +152,7 @@ def test_frames_have_rising_numbers_and_times(one):
 def test_a_monitor_does_not_write(one):
     with opened(one, monitor=True) as client:
         assert client.access == "monitor" and not client.info("Gain").writable
-        with pytest.raises(Refused, match="this user is a monitor"):
+        with pytest.raises(Rejected, match="this user is a monitor"):
             client.set("Gain", 2)
 
 
@@ -160,7 +160,7 @@ def test_locked_while_pictures_stream(one):
     one.registers.streaming = True
     with opened(one) as client:
         assert not client.info("Width").writable and client.info("Gain").writable
-        with pytest.raises(Refused, match="Width is locked while pictures stream"):
+        with pytest.raises(Rejected, match="Width is locked while pictures stream"):
             client.set("Width", 32)
         assert connected(one).write(0x20, 0x8000) == 0          # mirrored: another raw format
         assert connected(one).write(0x20, 0x0001) == 0
@@ -367,3 +367,9 @@ def test_a_hostile_device_at_length():
     hostile_device(10_000)
 
 
+
+
+def test_the_old_name_of_rejected_warns():
+    with pytest.warns(DeprecationWarning, match="Refused is called Rejected now"):
+        from ncdc_host.client import Refused
+    assert Refused is Rejected

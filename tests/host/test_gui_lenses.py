@@ -69,7 +69,7 @@ def test_bad_lens_files_are_told_and_change_nothing(qtbot, tmp_path):
     with announced() as [one], tab_on(qtbot, url_of(one, "gige")) as tab:
         for path, sentence in bad_files(tmp_path):
             tab.messages.clear()
-            with qtbot.waitSignal(tab.session.refused, timeout=SECONDS):
+            with qtbot.waitSignal(tab.session.rejected, timeout=SECONDS):
                 tab.load_lens(path)
             assert sentence in tab.messages.text and "\n" not in tab.messages.text
         old = tab.shown
@@ -81,12 +81,12 @@ def test_bad_lens_files_are_told_and_change_nothing(qtbot, tmp_path):
 def test_table_one_takes_no_lens_and_says_so(qtbot, tmp_path):
     small_lens(seed=9).save(tmp_path / "other.toml")
     with announced() as [one], tab_on(qtbot, url_of(one, "tcp")) as tab:
-        with qtbot.waitSignal(tab.session.refused, timeout=SECONDS):
+        with qtbot.waitSignal(tab.session.rejected, timeout=SECONDS):
             tab.load_lens(tmp_path / "other.toml")
         assert "only GVCP reaches" in tab.messages.text
         tab.calibrate()
         qtbot.waitUntil(lambda: tab.dialog is not None, timeout=SECONDS)
-        assert tab.dialog._limits is None and "only GVCP reaches" in tab.dialog.place.text()
+        assert tab.dialog._limits is None and "only GVCP reaches" in tab.dialog.file_only.text()
         tab.dialog.reject()
 
 

@@ -18,7 +18,7 @@ SCHEMES = ("gige", "tcp")
 def seen(tab):
     """The pixels of the picture on the screen, where each is one of the device's."""
     tab.view.set_scale(1)
-    place = tab.view.picture_place().toRect()
+    place = tab.view.picture_rect().toRect()
     return pixels_of(tab.view.grab(place).toImage())
 
 
@@ -107,7 +107,7 @@ def test_saved_files_hold_the_pixels(qtbot, tmp_path):
             tab.save_raw(tmp_path / "frame.raw.png")
         raw = read_image(tmp_path / "frame.raw.png")
         assert is_raw(raw) and np.array_equal(raw, RAW)     # as ncdc correct wants it
-        with qtbot.waitSignal(tab.session.refused, timeout=SECONDS):
+        with qtbot.waitSignal(tab.session.rejected, timeout=SECONDS):
             tab.save_picture(tmp_path / "picture.nothing")
         assert "picture.nothing" in tab.messages.text
 
@@ -130,7 +130,7 @@ def test_zoom_keeps_what_is_under_the_cursor(qtbot):
         assert view.fitted
         points = []
         view.pointed.connect(lambda pixel, colour: points.append((pixel.toTuple(), colour)))
-        place = view.picture_place()
+        place = view.picture_rect()
         about = place.topLeft() + (place.bottomRight() - place.topLeft()) * 0.3
         view._point(about)
         view.zoom(4, about)

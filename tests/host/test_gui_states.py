@@ -250,7 +250,7 @@ def test_a_passing_message_does_not_hide_a_lasting_one(qtbot):
     with tab_on(qtbot, "tcp://127.255.255.250:9", pictures=False) as tab:
         qtbot.waitUntil(lambda: tab.messages.lasting, timeout=SECONDS)
         text = tab.messages.text
-        tab.session.refused.emit("something else")
+        tab.session.rejected.emit("something else")
         qtbot.wait(50)
         assert tab.messages.text == text
         assert tab.messages.findChildren(QPushButton)

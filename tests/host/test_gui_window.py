@@ -154,9 +154,9 @@ def test_a_device_that_is_there_offers_all(qtbot):
 def test_a_lens_for_a_device_that_has_gone_is_not_dropped_silently(qtbot, tmp_path):
     """The device may go while a file is chosen."""
     with tab_on(qtbot, NOBODY, pictures=False) as tab:
-        with qtbot.waitSignal(tab.session.refused, timeout=SECONDS) as refused:
+        with qtbot.waitSignal(tab.session.rejected, timeout=SECONDS) as rejected:
             tab.load_lens(tmp_path / "net.toml", 0)
-        assert "net.toml is not loaded" in refused.args[0]
+        assert "net.toml is not loaded" in rejected.args[0]
 
 
 def test_the_rate_of_a_stream_that_ends_is_zero(qtbot):
@@ -185,13 +185,13 @@ def test_the_rate_falls_while_the_device_still_seems_to_be_there(qtbot):
     ("hall camera", "gige://10.0.0.5 does not answer any more", "hall camera does not answer any "
      "more."), ("", "no device answers at gige://10.0.0.5: timed out",
                 "No device answers at 10.0.0.5: timed out."),
-    ("hall camera", "Gain is refused by gige://10.0.0.5", "Gain is refused by hall camera.")])
+    ("hall camera", "Gain is rejected by gige://10.0.0.5", "Gain is rejected by hall camera.")])
 def test_messages_name_the_device_and_not_its_url(qtbot, monkeypatch, name, text, said):
     monkeypatch.setattr(device_tab.Session, "start", lambda self: None)
     tab = DeviceTab("gige://10.0.0.5", name)
     qtbot.addWidget(tab)
     assert "://" not in tab.view.text
-    tab.session.refused.emit(text)
+    tab.session.rejected.emit(text)
     assert tab.messages.text == said
 
 

@@ -64,7 +64,7 @@ def test_a_wrong_pixel_is_seen(three, monkeypatch):
 def test_monitors_watch_and_do_not_write(three):
     row = unhurried(lambda: monitor_row(three, 5, 2, FAST))
     assert (row["frames"], row["incomplete"], row["wrong_pixels"]) == (5, 0, 0)
-    assert row["writes_refused"] == 2
+    assert row["writes_rejected"] == 2
 
 
 def test_control_is_free_when_its_holder_is_killed(three):
@@ -78,7 +78,7 @@ def test_a_second_controller_is_refused(three):
     while holder.stderr.readline() != "streaming\n":
         assert holder.poll() is None
     for scheme in BOTH:
-        with pytest.raises(SimulationError, match="Refused"):
+        with pytest.raises(SimulationError, match="Rejected"):
             three.report(three.start(three.task(scheme, settings={"Gain": 2})))
     holder.kill()
     holder.wait()

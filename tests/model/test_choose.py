@@ -133,7 +133,8 @@ def test_descriptor_of_the_command_carries_what_was_tried(camera_file):
 @pytest.mark.parametrize("options,message", [
     (["--neurons", 4, "--max-error", 1], "--max-error is an option of --neurons auto, 4 are asked"),
     (["--neurons", 4, "--epochs", 9], "--epochs is an option of the trainer ebp"),
-    (["--neurons", 4, "--trainer", "ebp", "--epochs", 0], "0 epochs are asked for, the least is 1"),
+    (["--neurons", 4, "--trainer", "ebp", "--epochs", 0],
+     "0 epochs are asked for, the minimum is 1"),
     (["--neurons", "auto", "--max-error", -1], "the maximum error is -1 px, it must be positive"),
 ])
 def test_bad_requests_are_named(camera_file, options, message):

@@ -5,7 +5,7 @@ import pytest
 
 from ncdc_boards.camera_board.design import sensor_for
 from ncdc_sim.sensor.photo import still_raw
-from ncdc_sim.sensor.twin import raw_frames
+from ncdc_sim.sensor.reference import raw_frames
 from ncdc_sim.sensor.verilog import Light
 from ncdc_spec.errors import InputError
 from ncdc_spec.geometry import BAYER_PHASE, GRADIENT, MONO, Geometry

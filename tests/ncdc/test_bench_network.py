@@ -53,7 +53,7 @@ def test_rates_below_their_goals_are_told(what, goal):
             "lost": 0}
     assert shortfalls([good, good | {"width": 64, "frames_per_second": 1}]) == []
     found = shortfalls([good | {"frames_per_second": goal - .01}, good | {"lost": 3}])
-    assert len(found) == 2 and f"{goal} are the goal" in found[0] and "3 frames" in found[1]
+    assert len(found) == 2 and f"goal {goal}" in found[0] and "3 frames" in found[1]
 
 
 @pytest.mark.parametrize("options,said", (

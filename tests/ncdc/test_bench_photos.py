@@ -54,7 +54,7 @@ def test_ragged_corners_between_dots_are_no_chessboard(bank):
 def test_dots_far_out_of_focus_are_warned_of(bank, sigma):
     photo = spoil.blur(bank.example(), sigma)
     (outcome,) = try_case(Case("dots", ("either",), "auto", lambda bank: [photo]), [photo])
-    assert not outcome.refused and ("out of focus" in outcome.told) == (sigma == 10)
+    assert not outcome.rejected and ("out of focus" in outcome.message) == (sigma == 10)
     assert bool(outcome.false) == (sigma == 10)
 
 

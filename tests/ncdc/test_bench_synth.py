@@ -275,7 +275,7 @@ def test_command(flows, monkeypatch, tmp_path, capsys):
 
 
 @pytest.mark.parametrize("arguments, message", [
-    (["--seeds", "0"], "seeds is 0, the least is 1"),
+    (["--seeds", "0"], "seeds is 0, the minimum is 1"),
     (["--block", "tansig", "--variant", "HN 4"],
      "the variants are HN 4, the blocks have mmhbc; table; classic")])
 def test_bad_arguments(arguments, message, capsys):

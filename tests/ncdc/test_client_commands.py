@@ -133,7 +133,7 @@ ROW = {"peer": "Aravis", "transport": "GVSP", "devices": 3, "frames": 3, "incomp
 @pytest.mark.parametrize("change,message", [
     ({"incomplete": 1}, "1 frames incomplete"), ({"wrong_pixels": 7}, "7 pixels are wrong"),
     ({"features_read_back": 3}, "3 of 4 features"), ({"found": 2}, "2 of 3 devices found"),
-    ({"monitors": 2, "writes_refused": 1}, "a monitor could write")])
+    ({"monitors": 2, "writes_rejected": 1}, "a monitor could write")])
 def test_the_bench_complains(change, message):
     assert bench.complaints([ROW]) == []
     found = bench.complaints([ROW, {**ROW, **change}])

@@ -158,3 +158,25 @@ def test_a_system_is_written_with_the_driver_of_its_camera(folder, capsys):
     assert main(refused) == 2
     assert "--system" in capsys.readouterr().err
     assert not (folder / "none").exists()
+
+
+@pytest.mark.parametrize("options,message", [
+    ("--system --board faka2", "--system and --board faka2 are given, its project is of a corr"),
+    ("--bus axi --board faka2", "--bus axi and --board faka2 are given, its project is for avalon"),
+    ("--name n --board faka2", "--name n and --board are given, its scripts know one core"),
+    ("--name n --niosv", "--name n and --niosv are given, its scripts know one core"),
+    ("--niosv --system", "--niosv is given, it needs --system and --packetiser"),
+    ("--niosv --packetiser", "--niosv is given, it needs --system and --packetiser"),
+    ("--niosv --system --packetiser --bus axi", "--niosv is given, it needs --system and"),
+    ("--usb ft232h --sensor mt9p031", "--usb ft232h is given, it needs --system"),
+    ("--usb ft232h --sensor mt9p031 --system --bus axi", "--usb ft232h and --bus axi are given"),
+    ("--usb ft232h --system", "--usb and --sensor are given together"),
+    ("--sensor mt9p031 --system", "--usb and --sensor are given together"),
+    ("--system --testbench", "--testbench and --system are given, the test bench is of a corr"),
+    ("--to stream --video vip --board faka2", "--video vip and --board are given, the projects"),
+    ("--to stream --video vip --testbench", "--video vip and --testbench are given, the test")])
+def test_conflicting_options_are_rejected(folder, tmp_path, options, message, capsys):
+    output = tmp_path / "out"
+    assert main(["generate", str(folder / "net.toml"), "-o", str(output), *options.split()]) == 2
+    error = capsys.readouterr().err
+    assert message in error and error.count("\n") == 1 and not output.exists()

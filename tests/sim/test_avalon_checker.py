@@ -1,4 +1,4 @@
-"""The protocol checkers in Verilog: every rule fires on a planted breach, under its own name."""
+"""The protocol checkers in Verilog: every rule fires on a planted violation, under its own name."""
 
 import pytest
 
@@ -17,4 +17,4 @@ def test_rules(bench, simulator):
                      four_states=four_states)
     rules = [line.split()[2] for line in log.splitlines()
              if line.startswith(("AVALON-ERROR", "AXI-ERROR"))]
-    assert rules == [rule for rule, _ in bench.BREACHES + bench.UNKNOWN * four_states]
+    assert rules == [rule for rule, _ in bench.VIOLATIONS + bench.UNKNOWN * four_states]

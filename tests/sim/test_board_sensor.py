@@ -22,8 +22,8 @@ def bench():
 
 
 def lit_at(run, us):
-    """The lights at a microsecond."""
-    return [lights for at, lights in run.lights if at <= us][-1]
+    """The LEDs at a microsecond."""
+    return [leds for at, leds in run.leds if at <= us][-1]
 
 
 def test_an_unplugged_sensor_comes_back_by_itself(bench):
@@ -60,9 +60,9 @@ def test_without_a_watch_the_screen_stands_still(bench):
 
 def test_a_button_sets_the_sensor_up_anew(bench):
     run = bench.run(14_000, optimise="-O1", events={"press_again_us": 6000, "hold_us": 2000})
-    dark = [at for at, lights in run.lights if at >= 6000 and not lights & SET_UP]
+    dark = [at for at, leds in run.leds if at >= 6000 and not leds & SET_UP]
     assert len(dark) == 1 and lit_at(run, 13_999) & 7 == READY | SET_UP
-    assert not any(lights & TROUBLE for _, lights in run.lights)
+    assert not any(leds & TROUBLE for _, leds in run.leds)
     assert run.early == 0 and bench.shown(run)[-1] is not None
 
 
@@ -78,8 +78,8 @@ def true():
 def test_not_one_access_comes_before_the_data_sheets_time(true):
     run = true.run(62_000, optimise="-O2")
     assert run.early == 0 and run.results["failures"] == 0
-    assert not any(lights & TROUBLE for _, lights in run.lights)
-    assert run.lights[-1][1] & 7 == READY | SET_UP
+    assert not any(leds & TROUBLE for _, leds in run.leds)
+    assert run.leds[-1][1] & 7 == READY | SET_UP
     assert true.shown(run)[-1] is not None
 
 
@@ -88,4 +88,4 @@ def test_the_times_that_boards_had_are_too_short(true):
     true.design = replace(true.design, times=Times(2000, 2000))
     run = true.run(10_000, optimise="-O1")
     assert run.early > 0
-    assert run.lights[-1][1] & 7 == READY | TROUBLE
+    assert run.leds[-1][1] & 7 == READY | TROUBLE

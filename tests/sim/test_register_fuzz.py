@@ -47,7 +47,7 @@ def built(name):
 def fuzz(corrector, verilog, frames, seed=1):
     raw = np.random.default_rng(6).integers(0, 256, (18, 42), np.uint8)
     return simulate_register_fuzz(corrector, verilog, raw, frames, seed=seed, memory="fixed:9:4",
-                             clock_limit=200_000 * frames)
+                                  clock_limit=200_000 * frames)
 
 
 @pytest.mark.longer

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from ncdc_model.lens import Camera
+from ncdc_sim.sensor.reference import raw_frames
 from ncdc_sim.sensor.scene import moving_light, row_times
-from ncdc_sim.sensor.twin import raw_frames
 from ncdc_spec.errors import InputError
 from ncdc_spec.sensors.catalogue import sensor_named, setup
 from ncdc_spec.sensors.sensor import Settings

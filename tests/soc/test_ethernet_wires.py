@@ -62,27 +62,27 @@ def test_halves_of_two_clocks_are_seen(device):
 def test_gap_that_is_too_short_is_seen(monkeypatch):
     monkeypatch.setattr(blocks, "eth_interpacket_gap", 11)
     mac_design.cache_clear()
-    with pytest.raises(SimulationError, match="96 are the least"):
+    with pytest.raises(SimulationError, match="96 are the minimum"):
         simulate(mac_design("altera", "mii"), "mii", 100, 12, longest=200)
     mac_design.cache_clear()
 
 
-def picture(width, height, payload, capacity, least, device="altera"):
+def picture(width, height, payload, capacity, min_rate, device="altera"):
     """A raw picture through packetiser, MAC and RGMII; memory answers after 60 clocks."""
     run_cocotb(packets_design(device, capacity), "ethernet_packets", "verilator",
-               width=width, height=height, payload=payload, bytes=width * height, least=least,
+               width=width, height=height, payload=payload, bytes=width * height, min_rate=min_rate,
                seed=3, wait=0, stall=0, latency=[60, 60], rate=[])
 
 
 def test_small_picture_leaves():
-    picture(64, 48, 256, 3840, least=80)
+    picture(64, 48, 256, 3840, min_rate=80)
 
 
 @pytest.mark.regress
 @pytest.mark.parametrize("device", DEVICES)
-@pytest.mark.parametrize("payload,capacity,least", ((1456, 3840, 118), (8960, 18176, 122.7)))
-def test_whole_picture_fills_the_line(device, payload, capacity, least):
-    picture(1280, 1024, payload, capacity, least, device)
+@pytest.mark.parametrize("payload,capacity,min_rate", ((1456, 3840, 118), (8960, 18176, 122.7)))
+def test_whole_picture_fills_the_line(device, payload, capacity, min_rate):
+    picture(1280, 1024, payload, capacity, min_rate, device)
 
 
 def sent(frames, whole, clocks, ready=lambda k: True):

@@ -9,7 +9,7 @@ from ncdc_hdl.video.modes import VideoMode
 from ncdc_model.golden.corrector import correct
 from ncdc_model.raw_lens import raw_lens
 from ncdc_sim.board.run import simulate_board
-from ncdc_sim.sensor.twin import raw_frames
+from ncdc_sim.sensor.reference import raw_frames
 from ncdc_sim.sensor.verilog import Light
 from ncdc_spec.sensors.level import levelled
 

@@ -75,4 +75,4 @@ def run_sensor(name, simulator, asked, light, count=2, fault=None):
     return run_cocotb(with_lines(name), "sensor", simulator, files={LIGHT: light.data()},
                       plusargs=light.plusargs(LIGHT) + (fault.plusargs() if fault else []),
                       sensor=name, asked=asked, shape=light.frames.shape, count=count,
-                      place=[light.left, light.top], nominal=light.nominal, **more)
+                      corner=[light.left, light.top], nominal=light.nominal, **more)

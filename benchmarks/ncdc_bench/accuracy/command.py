@@ -47,7 +47,7 @@ def add_arguments(parser):
     parser.add_argument("--all", action="store_true",
                         help="every lens, 4 to 16 neurons (ebp 4 to 6): hours")
     parser.add_argument("-o", "--output", metavar="DIR",
-                        help="also write plots: error against neurons, error maps")
+                        help="also write plots: error by number of neurons, error maps")
     add_json(parser)
 
 
@@ -121,7 +121,7 @@ def _title(model, neurons):
 
 def table(rows):
     """Rows of ``fits_of`` as text."""
-    lines = [f"{'px², px: on the whole frame against the true map':<47}{'fixed point':>19}",
+    lines = [f"{'px², px: on the whole frame from the true map':<47}{'fixed point':>19}",
              f"{'lens':<7} {'model':<16} {'HN':>3} {'MSE':>11} {'mean':>8} {'max':>8} {'MSE':>11} "
              f"{'added':>8} {'CPU s':>6}"]
     for row in rows:
@@ -134,8 +134,10 @@ def table(rows):
 
 
 def by_lens(rows):
-    """MSE and largest error of ``rows``, of a network in integers, as a Markdown table: a column
-    for each lens, a line for each model and number of neurons."""
+    """MSE and largest error of ``rows``, of a network in integers, as a Markdown table.
+
+    It has a column for each lens and a line for each model and number of neurons.
+    """
     lenses = list(dict.fromkeys(row["lens"] for row in rows))
     cells = {}
     for row in rows:

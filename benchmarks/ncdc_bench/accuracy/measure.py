@@ -1,4 +1,4 @@
-"""The network beside other maps: all fitted to the same noisy dots, measured on whole frames."""
+"""The network compared with other maps, fitted to the same noisy dots, on whole frames."""
 
 import time
 from dataclasses import dataclass, field, replace
@@ -36,12 +36,12 @@ class Fit:
     ----------
     row : dict
         ``lens``, ``residual`` as times its own, ``model``, ``hidden_neurons`` and ``seed`` (None
-        for what is no network);
-        ``mse``, ``mean``, ``max`` as in :func:`map_error`, of every corrected pixel with a source
-        against the true map; ``fixed_mse``, ``fixed_mean``, ``fixed_max`` the same of the
-        integers; ``fixed_added_max``, largest difference on an axis between integers and real
-        numbers; ``dots_mse``, on the dots, noise included; ``seconds`` of processor time from
-        dots to map.
+        if the map is no network).
+        ``mse``, ``mean``, ``max``: errors of :func:`map_error` over every corrected pixel with a
+        source, from the true map. ``fixed_mse``, ``fixed_mean``, ``fixed_max``: those of the
+        integers. ``fixed_added_max``: largest difference on an axis between integers and real
+        numbers. ``dots_mse``: on the dots, noise included. ``seconds``: processor time from dots
+        to map.
     back_map : callable
         (u, v) to (x', y'): the integers of a network at whole pixels, else real numbers.
     real_map : callable
@@ -122,7 +122,7 @@ def _errors(real, fixed, truth):
 
 
 def reliability(rows):
-    """How many seeds came within 10 % of the best MSE on the dots, for each lens, model and HN.
+    """Number of seeds within 10 % of the best MSE on the dots, for each lens, model and HN.
 
     Returns a list of dicts ``lens``, ``model``, ``hidden_neurons``, ``seeds``,
     ``seeds_within_10_percent``; of networks with more than one seed.

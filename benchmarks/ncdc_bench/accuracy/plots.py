@@ -1,4 +1,4 @@
-"""Plots of ``ncdc bench accuracy``: error against hidden neurons, and where the errors lie."""
+"""Plots of ``ncdc bench accuracy``: error by number of hidden neurons, and error maps."""
 
 import matplotlib
 import numpy as np
@@ -14,16 +14,16 @@ __all__ = ["plot_accuracy"]
 _STEP = 8              # pixels between the errors of a map
 _RANGE = 1e-3, 10      # pixels, of its colours
 _COLUMNS = 3
-_COLOURS = matplotlib.colormaps["tab20"]       # by place in MODELS: one for all lenses
+_COLOURS = matplotlib.colormaps["tab20"]       # by position in MODELS: one for all lenses
 _SAME = ("pbm7", "pbm8")       # lie on the lines of order 6
 
 
 def plot_accuracy(folder, fits):
     """Write ``accuracy-LENS.png`` (if a network is there) and ``accuracy-LENS-map.jpg``.
 
-    The first has MSE and largest error against the hidden neurons, the other maps as lines. The
-    second has the error of each map over the frame, of networks with the fewest and the most
-    neurons.
+    The first has MSE and largest error by number of hidden neurons, the other maps as lines. The
+    second has the error of each map over the frame. Networks are those with the smallest and the
+    largest number of neurons.
 
     Parameters
     ----------
@@ -40,11 +40,11 @@ def plot_accuracy(folder, fits):
     for lens in dict.fromkeys(fit.row["lens"] for fit in fits):
         own = [fit for fit in fits if fit.row["lens"] == lens]
         if any(fit.row["model"] in NETWORKS for fit in own):
-            _against_neurons(folder / f"accuracy-{lens}.png", lens, [fit.row for fit in own])
+            _by_neurons(folder / f"accuracy-{lens}.png", lens, [fit.row for fit in own])
         _maps(folder / f"accuracy-{lens}-map.jpg", ReferenceLens(lens, own[0].row["residual"]), own)
 
 
-def _against_neurons(path, lens, rows):
+def _by_neurons(path, lens, rows):
     figure = Figure(figsize=(9.5, 4.6), layout="constrained")
     panels = figure.subplots(1, 2)
     for model in dict.fromkeys(row["model"] for row in rows):
@@ -84,8 +84,8 @@ def _maps(path, lens, fits):
     for axes, fit in zip(panels, fits):
         x, y = fit.back_map(truth.u, truth.v)
         image = np.full((-(-height // _STEP), -(-width // _STEP)), np.nan)
-        place = (truth.v / _STEP).astype(int), (truth.u / _STEP).astype(int)
-        image[place] = np.hypot(x - truth.x, y - truth.y)
+        cell = (truth.v / _STEP).astype(int), (truth.u / _STEP).astype(int)
+        image[cell] = np.hypot(x - truth.x, y - truth.y)
         drawn = axes.imshow(image, norm=LogNorm(*_RANGE),
                             cmap=matplotlib.colormaps["viridis"].with_extremes(bad="0.85"))
         count = fit.row["hidden_neurons"]
@@ -96,7 +96,7 @@ def _maps(path, lens, fits):
 
 
 def _extreme(fit, fits):
-    """Whether a network has the fewest or the most neurons of its kind."""
+    """Whether a network has the smallest or the largest number of neurons of its kind."""
     counts = [other.row["hidden_neurons"] for other in fits
               if other.row["model"] == fit.row["model"]]
     return fit.row["hidden_neurons"] in (min(counts), max(counts))

@@ -1,4 +1,4 @@
-"""``ncdc bench client``: peers that no one here wrote, against emulated devices."""
+"""``ncdc bench client``: third-party clients and ours with emulated devices."""
 
 import tempfile
 from contextlib import ExitStack
@@ -23,7 +23,7 @@ from ncdc_spec.geometry import Geometry
 __all__ = ["EXAMPLE", "HELP", "add_arguments", "complaints", "late", "run", "rows_of",
            "small_and_large", "table"]
 
-HELP = ("viva-genicam, Aravis and the TCP client against emulated devices, each in a network of "
+HELP = ("viva-genicam, Aravis and the TCP client with emulated devices, each in a network of "
         "its own")
 EXAMPLE = "ncdc bench client --quick --json -"
 _NEURONS = 4
@@ -63,7 +63,7 @@ def _trained(width, height):
 
 
 def rows_of(quick, step):
-    """All rows; ``step(text)`` is told what is measured."""
+    """All rows; ``step(text)`` is called with the name of each measurement."""
     step("training two cameras")
     small, large = small_and_large(quick)
     few, some, many = (3, 3, 20) if quick else (50, 20, 300)
@@ -120,7 +120,7 @@ class _served:
 
 
 def complaints(rows):
-    """What is wrong with the rows on a machine of any speed, a sentence each."""
+    """Errors in the rows that do not depend on the machine's speed, a sentence each."""
     found = []
     for row in rows:
         name = f"{row['peer']}, {row['transport']}"
@@ -133,13 +133,13 @@ def complaints(rows):
         if row.get("features_read_back", 0) < row.get("features", 0):
             found.append(f"{name}: {row['features_read_back']} of {row['features']} features read "
                          "back")
-        if row.get("writes_refused", 0) < row.get("monitors", 0):
+        if row.get("writes_rejected", 0) < row.get("monitors", 0):
             found.append(f"{name}: a monitor could write")
     return found
 
 
 def late(rows):
-    """What took too long by the clock, a sentence each: true of an idle machine only."""
+    """Exceeded times, a sentence each; they are meaningful on an idle machine only."""
     return [f"{row['peer']}, {row['transport']}: control is free after "
             f"{row['seconds_until_free']:.1f} s, {_CONTROL_SECONDS} is the limit"
             for row in rows if row.get("seconds_until_free", 0) > _CONTROL_SECONDS]

@@ -1,4 +1,4 @@
-"""Peers against emulated devices, in a network of their own: one row a case."""
+"""Peers with emulated devices, in a network of their own: one row a case."""
 
 import json
 import os
@@ -21,7 +21,7 @@ from ncdc_spec.protocols.table_one import TCP_PORT
 __all__ = ["Case", "PEERS", "Served", "case_row", "discovery_rows", "killed_row", "monitor_row",
            "still_photo"]
 
-# Who does the protocol's work behind each scheme of URLs.
+# The protocol's implementation for each scheme of URLs.
 PEERS = {"gige": ("viva-genicam", "GVSP"), "aravis": ("Aravis", "GVSP"),
          "tcp": ("ncdc", "Table I/II")}
 _GROUP = "239.192.1.1"
@@ -150,7 +150,7 @@ def case_row(served, case):
 
 
 def discovery_rows(served, count):
-    """How many devices each back end finds by broadcast, of ``count``: a row each."""
+    """A row for each back end: how many of ``count`` devices it finds by broadcast."""
     found = served.report(served.start(served.task("discover")))
     return [{"peer": PEERS[scheme][0], "transport": "GVCP discovery", "devices": count,
              "found": len(set(found[scheme]) & set(DEVICES[:count]))}
@@ -171,7 +171,7 @@ def monitor_row(served, frames, monitors, settings):
             "monitors": monitors, "frames": min(report["frames"] for report in reports),
             "incomplete": sum(report["incomplete"] for report in reports),
             "wrong_pixels": sum(report["wrong_pixels"] for report in reports),
-            "writes_refused": sum(report["refused"] for report in reports),
+            "writes_rejected": sum(report["rejected"] for report in reports),
             "frames_per_second": min(report["frames_per_second"] for report in reports),
             "loss": 0.0}
 
@@ -187,7 +187,7 @@ def _streaming(served, **changes):
 
 
 def killed_row(served):
-    """How long control stays taken when the controller is killed without a word."""
+    """A row on the time until control is free after the controller was killed."""
     control = _streaming(served)
     control.kill()
     control.wait()

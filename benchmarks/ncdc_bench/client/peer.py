@@ -1,4 +1,4 @@
-"""What one peer does with devices; runs in the client's namespace as a program of its own.
+"""One peer's work with devices; runs in the client's namespace as a program of its own.
 
 ``python -m ncdc_bench.client.peer JSON`` prints a JSON report; see :func:`main`.
 """
@@ -10,7 +10,7 @@ from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 
-from ncdc_host.client import DeviceError, Refused, discover, open_device
+from ncdc_host.client import DeviceError, Rejected, discover, open_device
 from ncdc_spec.white_balance import UNITY
 
 __all__ = ["main"]
@@ -42,7 +42,7 @@ def _one(task, address, expected):
         if task["every_feature"]:
             report |= _features(device)
         if task["monitor"]:
-            report["refused"] = _refused(device)
+            report["rejected"] = _write_rejected(device)
         for name, value in task["settings"].items():
             device.set(name, value)
         if task["frames"]:
@@ -50,10 +50,10 @@ def _one(task, address, expected):
     return report
 
 
-def _refused(device):
+def _write_rejected(device):
     try:
         device.set("Gain", 2)
-    except Refused:
+    except Rejected:
         return True
     return False
 

@@ -30,7 +30,7 @@ DRAWING = (tuple(_BOXES.values()), _ARROWS,
 
 
 def draw(path):
-    """Write the drawing of a corrector in the programmable logic beside its processor."""
+    """Write the drawing of a corrector in the programmable logic next to its processor."""
     draw_boxes(path, *DRAWING)
 
 

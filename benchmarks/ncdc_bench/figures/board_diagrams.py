@@ -18,21 +18,21 @@ _BOXES = (
     (-.4, 1.5, 2.4, 2.2, "sensor\n\nMT9P031 (D5M),\nOV5640"),
     (4.2, 0, 3.0, 5.2, "camera system\n\ncapture\n\nframe stores\n\ncorrector"),
     (10.0, 0, 2.6, 2.2, "SDRAM controller"),
-    (10.0, 3.0, 2.6, 2.2, "scan-out\n\none row ahead"),
+    (10.0, 3.0, 2.6, 2.2, "scan-out\n\none row early"),
     (15.4, 0, 2.0, 2.2, "SDRAM chip"),
     (15.4, 3.0, 2.0, 2.2, "monitor"),
 )
 _ARROWS = (
     (2.0, 4.2, 3.2, "pixel clock", "frame, line, data"),
-    (4.2, 2.0, 2.0, "I2C", "set-up"),
+    (4.2, 2.0, 2.0, "I2C", "registers"),
     (7.2, 10.0, 1.4, "write", "raw, corrected"),
     (10.0, 7.2, .6, "read", "raw"),
     (7.2, 10.0, 4.1, "reader", "newest whole frame"),
     (12.6, 15.4, 1.1, "bursts", "whole rows"),
     (12.6, 15.4, 4.1, "VGA, GPDI", "the mode's own rate"),
 )
-DRAWING = (_BOXES, _ARROWS, "the scan-out reads from memory too, before anybody else; buttons "
-           "choose the lens; registers through a serial port", (12.5, 4.3))
+DRAWING = (_BOXES, _ARROWS, "the scan-out reads from memory too, with the highest priority; "
+           "buttons choose the lens; registers through a serial port", (12.5, 4.3))
 _LINE, _FILL, _TEXT = "#30507a", "#cfdff2", 9
 
 
@@ -62,14 +62,14 @@ def _sdram_clock(path):
     for x, rows, text in ((late + out, (1, 2.8), "sampled"), (2 * period, (0, 3.8), "taken")):
         axes.plot((x, x), rows, color="#a03030", linewidth=1, linestyle="--")
         axes.text(x + .2, rows[0] - .06, text, color="#a03030", fontsize=_TEXT, va="top")
-    axes.set_yticks((.3, 1.3, 2.3, 3.3), ("data, behind the\nFPGA's inputs",
+    axes.set_yticks((.3, 1.3, 2.3, 3.3), ("data, after the\nFPGA's inputs",
                                           "command at\nthe SDRAM", "clock at\nthe SDRAM",
                                           "core's clock"))
     axes.set_xlabel(
         f"ns; core's clock {plan.core_mhz:g} MHz, the SDRAM's {late:.3f} ns late, outputs take "
         f"{out:g}, inputs {back:g}, CAS latency left out\nthe chip needs a command "
         f"{SDRAM_NS['setup']} before and {SDRAM_NS['hold']} after its edge; gives data within "
-        f"{SDRAM_NS['access']}, keeps them {SDRAM_NS['kept']} behind the next", fontsize=_TEXT)
+        f"{SDRAM_NS['access']}, keeps them {SDRAM_NS['kept']} after the next", fontsize=_TEXT)
     axes.set_xlim(0, end)
     axes.set_ylim(-.5, 3.9)
     for side in ("top", "right", "left"):

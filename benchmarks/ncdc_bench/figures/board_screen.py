@@ -1,4 +1,4 @@
-"""What a board shows on its monitor, in simulation: for the pages ``boards`` and ``ulx3s``.
+"""A board's monitor in simulation: pictures of ``docs/reference/ulx3s.md``, ``boards.md``.
 
     python -m ncdc_bench.figures.board_screen ulx3s net.toml photo.png docs/figures/ulx3s-screen.jpg
 
@@ -18,7 +18,7 @@ from ncdc_model.golden.corrector import correct
 from ncdc_model.planner.plan import Fixed
 from ncdc_sim.board.run import simulate_board
 from ncdc_sim.sensor.photo import moving_photo
-from ncdc_sim.sensor.twin import raw_frames
+from ncdc_sim.sensor.reference import raw_frames
 from ncdc_spec.descriptor import Descriptor
 from ncdc_spec.sensors.field import FULL
 from ncdc_spec.sensors.level import levelled
@@ -32,8 +32,9 @@ _FRAMES = 6
 def last_screen(name, path, photo, run_us):
     """The last frame that the monitor of a board shows, (height, width, 3), red first.
 
-    Prints, of each frame of the screen, which frame of the sensor it shows whole: "black" before
-    the first, "none" if it is no frame of the golden model's. ``photo``: (height, width, 3).
+    Prints for each frame of the screen which frame of the sensor it shows whole. "black" is
+    printed before the first, "none" if it is no frame of the golden model's. ``photo``: (height,
+    width, 3).
     """
     on, descriptor = board(name), Descriptor.load(path)
     g = descriptor.geometry

@@ -52,10 +52,10 @@ def boxes_figure(boxes, arrows, note="", size=(11.5, 4.1), vertical=()):
     for start, end, y, above, below in arrows:
         axes.annotate("", (end, y), (start, y), arrowprops={
             "arrowstyle": "-|>", "color": _LINE, "linewidth": 1.4})
-        middle, room = (start + end) / 2, abs(end - start) - _MARGIN
+        middle, space = (start + end) / 2, abs(end - start) - _MARGIN
         fitted += [(axes.text(middle, y + .08, above, ha="center", va="bottom", fontsize=9.5,
-                              family="monospace"), room),
-                   (axes.text(middle, y - .1, below, ha="center", va="top", fontsize=8.5), room)]
+                              family="monospace"), space),
+                   (axes.text(middle, y - .1, below, ha="center", va="top", fontsize=8.5), space)]
     for x, start, end, text in vertical:
         axes.annotate("", (x, end), (x, start), arrowprops={
             "arrowstyle": "-|>", "color": _LINE, "linewidth": 1.4})
@@ -66,8 +66,8 @@ def boxes_figure(boxes, arrows, note="", size=(11.5, 4.1), vertical=()):
     axes.set_xlim(left - .1, right + .1)
     axes.set_ylim(low - .8, high + .2)
     axes.set_axis_off()
-    for text, room in fitted:
-        _fit(text, axes, room)
+    for text, space in fitted:
+        _fit(text, axes, space)
     return figure
 
 

@@ -56,7 +56,7 @@ DRAWINGS = {    # file: boxes, arrows, note
          (5.4, 0, 3.0, 4.6, "processor\n\nVexRiscv, firmware\n\nMAC, RGMII"),
          (11.7, 0, 3.0, 4.6, "board's core\n\ncamera, corrector\n\nSDRAM, scan-out\n\npacketiser")),
         ((2.3, 5.4, 2.9, "RGMII", "4 wires each way, 125 MHz"),
-         (5.4, 2.3, 1.9, "MDIO", "set-up, speed"),
+         (5.4, 2.3, 1.9, "MDIO", "setup, speed"),
          (11.7, 8.4, 3.9, "packets", "whole Ethernet frames"),
          (8.4, 11.7, 2.6, "registers", "settings, lens, claims"),
          (11.7, 8.4, 1.3, "frames", "word by word, Table II")),
@@ -74,7 +74,7 @@ DRAWINGS = {    # file: boxes, arrows, note
          (11.2, 8.2, 3.9, "packets", "whole Ethernet frames"),
          (8.2, 11.2, 2.6, "registers", "settings, lens, claims"),
          (11.2, 8.2, 1.3, "frames", "word by word, Table II"),
-         (16.6, 14.0, 4.0, "sensor", "clock, lines, data"), (14.0, 16.6, 3.0, "I2C", "set-up"),
+         (16.6, 14.0, 4.0, "sensor", "clock, lines, data"), (14.0, 16.6, 3.0, "I2C", "registers"),
          (14.0, 16.6, 1.1, "bursts", "50 MHz")),
         "no screen: pictures leave by the cable alone; registers through a serial port too"),
     "guide-zynq.png": (

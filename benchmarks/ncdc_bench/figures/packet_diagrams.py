@@ -12,7 +12,7 @@ __all__ = ["FILE", "PACKETS", "draw_packets", "packets_figure"]
 
 FILE = "packets.png"
 _ROW = 4            # bytes
-_COLUMNS = 4        # drawings beside each other
+_COLUMNS = 4        # drawings side by side
 _LINE = "#30507a"
 _BROKEN = {("formation", 1): "form-\nation"}     # names too long for their field's bytes
 _HEADER = (("status", 2), ("block", 2), ("kind", 1), ("packet", 3))

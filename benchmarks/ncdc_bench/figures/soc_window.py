@@ -21,7 +21,7 @@ from ncdc_spec.descriptor import Descriptor
 __all__ = ["window_on"]
 
 _EXPOSURE_US = 1000.0
-_PATIENCE_S = 600
+_TIMEOUT_S = 600
 # Runs on the clients' side, without a screen.
 _WINDOW = """
 import json, os, sys, time
@@ -30,7 +30,7 @@ import numpy as np
 from PySide6.QtCore import QSettings
 from PySide6.QtWidgets import QApplication
 from ncdc_host.gui.main_window import MainWindow
-url, folder, patience = sys.argv[1], sys.argv[2], float(sys.argv[3])
+url, folder, timeout = sys.argv[1], sys.argv[2], float(sys.argv[3])
 QSettings.setPath(QSettings.Format.NativeFormat, QSettings.Scope.UserScope, folder)
 application = QApplication(["ncdc"])
 window = MainWindow()
@@ -39,7 +39,7 @@ window.show()
 window.open_device(url)
 [tab] = window.open_tabs()
 def wait(there):
-    end = time.monotonic() + patience
+    end = time.monotonic() + timeout
     while not there():
         application.processEvents()
         if time.monotonic() > end:
@@ -64,7 +64,7 @@ def window_on(run, folder, scheme="aravis"):
     """Open the client's window on a :class:`SocRun`, until it has shown two pictures.
 
     Writes ``window.png``, the window, and ``shown.npy``, the last picture in it, (height, width,
-    3), red first, into an existing ``folder``. Returns what the window complains of, "" of nothing.
+    3), red first, into an existing ``folder``. Returns the window's message, or "".
 
     Raises
     ------
@@ -72,7 +72,7 @@ def window_on(run, folder, scheme="aravis"):
         If it shows no picture.
     """
     done = run.network.run([sys.executable, "-c", _WINDOW, f"{scheme}://{ADDRESS}", str(folder),
-                            str(_PATIENCE_S)], timeout=3 * _PATIENCE_S)
+                            str(_TIMEOUT_S)], timeout=3 * _TIMEOUT_S)
     if done.returncode:
         raise SimulationError(done.stderr[-2000:])
     return json.loads(done.stdout.splitlines()[-1])

@@ -67,7 +67,7 @@ def _descriptor(camera, neurons):
 def table(rows):
     """Rows as text: PSNR of the even grid, and how much more the others have.
 
-    Of several pictures their means besides.
+    Several pictures have a row of their means as well.
     """
     lines = [f"{'':<45} at points of the light        its means over the pitch",
              f"{'picture':<20} {'sampling':<13} {'by':<10}  even, dB  uneven  evened    "

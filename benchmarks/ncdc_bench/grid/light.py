@@ -1,4 +1,4 @@
-"""Light on every active pixel of a sensor behind a lens that blurs."""
+"""Light on every active pixel of a sensor, through a lens that blurs."""
 
 from dataclasses import dataclass
 
@@ -19,15 +19,15 @@ _STRIP = 64                 # rows of active pixels that are rendered at once
 
 @dataclass(frozen=True)
 class Light:
-    """What falls on a sensor that reduces either axis by ``reduction``.
+    """Light on a sensor that reduces either axis by ``reduction``.
 
     Parameters
     ----------
     name : str
     reduction : int
     values : ndarray of float32, shape (height, width, 3)
-        Linear light, 0..255, of each active pixel; :data:`MARGIN` of them lie before the first one
-        and behind the last one of the frame.
+        Linear light, 0..255, of each active pixel. :data:`MARGIN` more pixels lie before the
+        frame's first one and after its last one.
     """
     name: str
     reduction: int
@@ -55,7 +55,7 @@ def camera_of(camera, size):
 
 
 def scene_light(camera, reduction, blur):
-    """:class:`Light` of the built-in scene behind ``camera``, whose frame is the reduced one.
+    """:class:`Light` of the built-in scene through ``camera``, whose frame is the reduced one.
 
     ``blur``: standard deviation of the lens's point spread, a Gaussian, in active pixels.
     """

@@ -1,4 +1,4 @@
-"""What the uneven Bayer grid of a reducing sensor costs, and what evening it gives back."""
+"""Quality loss by the uneven Bayer grid of a reducing sensor, and the gain by evening it."""
 
 from dataclasses import replace
 
@@ -45,8 +45,8 @@ def samples(light, members, even, bayer):
 def measure(descriptor, light, sampling, bayer):
     """Rows of a light under one of :data:`SAMPLINGS`, one for each interpolation and grid.
 
-    The same map corrects each frame. Its picture is compared with the light of the lens at the
-    very places to which the map leads: at the point, and as a mean over the pitch of the grid.
+    The same map corrects each frame. Its picture is compared with the light at the map's source
+    coordinates: at the point, and as a mean over the pitch of the grid.
 
     Returns
     -------
@@ -76,7 +76,7 @@ def measure(descriptor, light, sampling, bayer):
     return rows
 
 
-def _places(descriptor):
+def _sources(descriptor):
     """Raw coordinates of each corrected pixel."""
     g = descriptor.geometry
     v, u = np.indices(g.corrected[::-1])
@@ -87,19 +87,19 @@ def _mask(descriptor):
     """Corrected pixels with a source that is not near the frame's border."""
     g = descriptor.geometry
     inside = [(at >= _RIM) & (at <= size - 1 - _RIM)
-              for at, size in zip(_places(descriptor), g.distorted)]
+              for at, size in zip(_sources(descriptor), g.distorted)]
     return descriptor.valid.mask(g.corrected_width) & inside[0] & inside[1]
 
 
 def _truth(descriptor, light, members, even):
     """The corrected picture of the light itself, at points and as means over the grid's pitch.
 
-    The grid's origin: active pixel 0, or (1 - s) / 2 as all pairs have it around their middles;
-    of samples that are means in the middle of their pixels.
+    The origin of an even grid is active pixel 0, that of pairs (1 - s) / 2, from their middles.
+    Samples that are means lie in the middle of their pixels.
     """
     s = light.reduction
     origin = MARGIN + (0 if even else (1 - s) / 2) + np.mean(members)
-    x, y = (s * at + origin for at in _places(descriptor))
+    x, y = (s * at + origin for at in _sources(descriptor))
     points = cv2.remap(light.values, x.astype(np.float32), y.astype(np.float32), cv2.INTER_CUBIC)
     # A box of s pixels, an even number, has its middle half a pixel before its anchor.
     half = 0 if s % 2 else .5

@@ -20,14 +20,14 @@ SQUARES = 20           # of the board across the corrected frame
 DARK, LIGHT = 30, 215
 EDGES = 60, 140        # lower and upper threshold of the edge detector (Canny)
 TURN, WIDE = np.pi / 3600, 2    # resolution of the Hough transform: angle, pixels
-STRAY = np.radians(3)  # most that a line found may be turned
+STRAY = np.radians(3)  # maximum turn of a line found
 SHARE = 0.75           # of its visible length that a line found must collect in edge pixels
 
-_ROWS = 5              # rows whose mean is one place of an edge
-_REACH = 4             # pixels on either side of an edge that its place is made from
-_CORNER = 8            # pixels beside the corner of a square that no place is taken in
+_ROWS = 5              # rows whose mean is one point of an edge
+_REACH = 4             # pixels on either side of an edge that its point is computed from
+_CORNER = 8            # pixels around the corner of a square without edge points
 _FULL = 0.8            # of the board's contrast that an edge must rise by
-_RIM = 4               # pixels beside those without a source that nothing is taken in
+_RIM = 4               # pixels next to those without a source, which are not used
 
 
 @dataclass(frozen=True)
@@ -39,12 +39,12 @@ class Line:
     upright : bool
         A column, else a row.
     votes : int
-        Most edge pixels on one straight line of the Hough transform.
+        Maximum number of edge pixels on one straight line of the Hough transform.
     votes_needed : int
     ends : ndarray, shape (2, 2)
-        (u, v) of both ends of the straight line fitted to the edge's places.
+        (u, v) of both ends of the straight line fitted to the edge's points.
     deviations : ndarray
-        Distances in pixels of the edge's places from it.
+        Distances in pixels of the edge's points from it.
     """
     upright: bool
     votes: int
@@ -71,18 +71,18 @@ def board_photo(lens, seed=1):
     pitch = board_pitch(lens.geometry)
     u, v = lens.camera.frame.pixel(*ideal_samples(lens.camera))
     sign = 1.0
-    for place in (u, v):
+    for axis in (u, v):
         # Distance to the nearest line, alternating in sign, over its change per subsample: an
         # edge is one subsample wide.
-        distance = pitch * (np.abs(np.mod(place / pitch, 2) - 1) - .5)
-        slope = np.hypot(*np.gradient(place))
+        distance = pitch * (np.abs(np.mod(axis / pitch, 2) - 1) - .5)
+        slope = np.hypot(*np.gradient(axis))
         sign = sign * np.clip(2 * distance / slope, -1, 1)
     light = expose(DARK + (LIGHT - DARK) * (1 + sign) / 2)
     return sensor(np.repeat(light[:, :, None], 3, axis=2), lens.geometry.bayer, seed)
 
 
 def corrected(back_map, raw, geometry):
-    """The picture (height, width, 3) that the back end makes of ``raw`` at ``back_map``'s places.
+    """The picture (height, width, 3) of the back end from ``raw`` at ``back_map``'s coordinates.
 
     The arithmetic of the hardware for any map, its coordinates rounded as the network's are.
     Returns the picture and where it has a source, (height, width).
@@ -94,26 +94,28 @@ def corrected(back_map, raw, geometry):
     for top in range(0, height, 32):
         rows = slice(top, min(top + 32, height))
         v, u = np.mgrid[rows, 0:width].astype(np.float64)
-        x, y = (np.nan_to_num(place, nan=-9) for place in back_map(u, v))
+        x, y = (np.nan_to_num(axis, nan=-9) for axis in back_map(u, v))
         limit = coordinate.real(coordinate.hi)
         x0, y0, fx, fy, inside = window_address(
-            *(coordinate.quantise(np.clip(place, -limit, limit)) for place in (x, y)),
+            *(coordinate.quantise(np.clip(axis, -limit, limit)) for axis in (x, y)),
             geometry, coordinate)
-        places = corner_colours(windows[y0, x0], x0, y0, geometry)
-        colours = bilinear(places, fx, fy, coordinate.f_bits, geometry.interpolation.unit_bits)
+        samples = corner_colours(windows[y0, x0], x0, y0, geometry)
+        colours = bilinear(samples, fx, fy, coordinate.f_bits, geometry.interpolation.unit_bits)
         picture[rows] = np.where(inside[..., None], colours, 0)
         valid[rows] = inside
     return picture, valid
 
 
 def crossings(lens, back_map):
-    """Where the board's crossings are in the picture corrected by ``back_map``, real numbers in
-    and out: (u, v), each of shape (rows, columns), not-a-number where there is none."""
+    """The board's crossings in the picture corrected by ``back_map``, in real numbers.
+
+    Returns (u, v), each of shape (rows, columns), not-a-number where there is none.
+    """
     width, height = lens.geometry.corrected
     pitch = board_pitch(lens.geometry)
     u, v = np.meshgrid(np.arange(pitch / 2, width, pitch), np.arange(pitch / 2, height, pitch))
     x, y = lens.camera.back_map(u, v)
-    # planar_inverse starts at its target: shift so that this is the true place.
+    # planar_inverse starts at its target: shift so that this is the true point.
     a, b = planar_inverse(lambda a, b: back_map(u + a - x, v + b - y), x, y, scale=width / 2)
     return u + a - x, v + b - y
 
@@ -124,11 +126,11 @@ def find_lines(picture, valid, pitch, crossing):
     Parameters
     ----------
     picture, valid : ndarray
-        Of :func:`corrected`.
+        Results of :func:`corrected`.
     pitch : float
         Pixels between lines.
     crossing : (ndarray, ndarray)
-        Of :func:`crossings`: each line is looked for within a quarter of the pitch from the
+        Result of :func:`crossings`: each line is looked for within a quarter of the pitch from the
         straight line through its crossings.
     """
     grey = picture.astype(np.float64).mean(2)
@@ -159,13 +161,13 @@ def _line(grey, edges, inner, pitch, along, across, upright=True):
     rows, path = rows[visible], path[visible]
     if not len(rows) or rows[-1] - rows[0] < 2 * pitch:
         return None
-    beside = np.abs(np.arange(width) - (start + slope * np.arange(height))[:, None]) < pitch / 4
-    votes = _votes(edges * beside, np.arctan(slope))
+    near = np.abs(np.arange(width) - (start + slope * np.arange(height))[:, None]) < pitch / 4
+    votes = _votes(edges * near, np.arctan(slope))
     corner = np.abs(rows[:, None] - along[seen]).min(axis=1) < _CORNER
-    rows, place = _places(grey, inner, rows, path, int(pitch / 4), ~corner)
+    rows, columns = _edge_points(grey, inner, rows, path, int(pitch / 4), ~corner)
     if len(rows) < 3:
         return None
-    middle, direction, deviations = _straight(rows, place)
+    middle, direction, deviations = _straight(rows, columns)
     reach = (np.flatnonzero(visible)[[0, -1]] - middle[0]) / direction[0]
     ends = middle + reach[:, None] * direction
     return Line(upright, votes, int(np.ceil(SHARE * visible.sum())),
@@ -173,27 +175,27 @@ def _line(grey, edges, inner, pitch, along, across, upright=True):
 
 
 def _votes(edges, lean):
-    """Most pixels of ``edges`` on one line within STRAY of upright and ``lean``.
+    """Maximum number of pixels of ``edges`` on one line within STRAY of upright and ``lean``.
 
     Twice, the second time shifted by half of WIDE: a line must not fall between two cells.
     """
     # A line that leans to larger columns has a normal below zero, that is near pi.
     low, high = -lean - STRAY, -lean + STRAY
-    most = 0
+    highest = 0
     for turn in (0, np.pi):
         first, last = max(low + turn, 0), min(high + turn, np.pi)
         for shifted in (edges, edges[:, WIDE // 2:]) if first < last else ():
             found = cv2.HoughLinesWithAccumulator(np.ascontiguousarray(shifted), WIDE, TURN, 1,
                                                   min_theta=first, max_theta=last)
             if found is not None:
-                most = max(most, int(found.reshape(-1, 3)[:, 2].max()))
-    return most
+                highest = max(highest, int(found.reshape(-1, 3)[:, 2].max()))
+    return highest
 
 
-def _places(grey, inner, rows, path, reach, clear):
-    """Rows, and where in them the edge within ``reach`` of ``path`` lies, to sub-pixels.
+def _edge_points(grey, inner, rows, path, reach, clear):
+    """Rows, and the column of the edge within ``reach`` of ``path`` in each, to sub-pixels.
 
-    The place is the centroid of the grey levels' slope, the mean of five rows. Rows that are not
+    The column is the centroid of the grey levels' slope, the mean of five rows. Rows that are not
     ``clear``, and those where the edge has not its full height, are left out.
     """
     left = np.clip(np.round(path).astype(int) - reach, 0, grey.shape[1] - 2 * reach - 1)
@@ -209,8 +211,8 @@ def _places(grey, inner, rows, path, reach, clear):
     near = np.take_along_axis(slope, peak[:, None] + offset, axis=1)
     rise = near.sum(axis=1)
     clear &= np.abs(rise) >= _FULL * (LIGHT - DARK)
-    place = left[clear] + .5 + peak[clear] + (near[clear] @ offset) / rise[clear]
-    return rows[clear].astype(np.float64), place
+    columns = left[clear] + .5 + peak[clear] + (near[clear] @ offset) / rise[clear]
+    return rows[clear].astype(np.float64), columns
 
 
 def _straight(along, across):
@@ -222,8 +224,7 @@ def _straight(along, across):
 
 
 def summary(lines):
-    """Of a picture ``lines``, ``lines_missed``, ``straightness_rms_px``, ``straightness_max_px``.
-    """
+    """Counts of ``lines`` and ``lines_missed`` of a picture, and its straightness in pixels."""
     every = np.concatenate([line.deviations for line in lines])
     return {"lines": len(lines), "lines_missed": sum(line.missed for line in lines),
             "straightness_rms_px": float(np.sqrt(np.mean(every**2))),

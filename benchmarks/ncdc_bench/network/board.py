@@ -1,4 +1,4 @@
-"""A board's own memory and its gigabit line: how many pictures a second go through both."""
+"""A board's own memory and its gigabit line: how many frames per second go through both."""
 
 from ncdc.cli.hardware import planned
 from ncdc_bench.throughput.lenses import Lens, trained
@@ -27,7 +27,7 @@ def board_rows(board, size, step, core_mhz=CORE_MHZ, screen=False):
     board : Board
     size : (int, int)
     step : callable
-        ``step(text)`` is told what is measured.
+        ``step(text)`` is called with the name of each measurement.
     core_mhz : number
         Clock of the board's core and its SDRAM.
     screen : bool
@@ -36,12 +36,12 @@ def board_rows(board, size, step, core_mhz=CORE_MHZ, screen=False):
     Returns
     -------
     list of dict
-        As of :func:`ncdc_bench.network.measure.rows_of`; besides ``frames_per_second`` and
-        ``slowest_per_second`` (by the line's clock, from last byte to last byte: of all, and of
-        the two frames that lie furthest apart), ``sensor_per_second``, ``dropped`` (raw frames
-        that no picture was sent of), ``lost`` (frames that camera, corrector or a reader lost),
-        ``screen_underruns``, ``memory_percent`` (of the clocks, those in which the SDRAM moves
-        data), ``clocks_per_pixel``; None for what is not there.
+        Those of :func:`ncdc_bench.network.measure.rows_of`, and more; None if absent.
+        ``frames_per_second``, ``slowest_per_second``: by the line's clock, from last byte to last
+        byte, of all frames and of the two furthest apart. ``sensor_per_second``. ``dropped``: raw
+        frames without a sent picture. ``lost``: frames that camera, corrector or a reader lost.
+        ``screen_underruns``. ``memory_percent``: share of the clocks in which the SDRAM moves
+        data. ``clocks_per_pixel``.
 
     Raises
     ------
@@ -63,7 +63,7 @@ def board_rows(board, size, step, core_mhz=CORE_MHZ, screen=False):
     step("corrected pictures")
     rows = [_row(model, "corrected", corrected_rates(model, SETTLE + _FRAMES), sensor)]
     if screen:
-        step("beside a screen")
+        step("with a screen")
         rates = corrected_rates(model, SETTLE + _FRAMES, screen=True)
         rows.append(_row(model, f"corrected, a screen at {_refresh(model.design):.1f} Hz", rates,
                          sensor))
@@ -74,7 +74,7 @@ def board_rows(board, size, step, core_mhz=CORE_MHZ, screen=False):
 
 
 def _refresh(design):
-    """Pictures per second of a design's screen."""
+    """Frames per second of a design's screen."""
     mode = design.mode
     return 1e6 * design.clocks.pixel_mhz / (sum(mode.horizontal) * sum(mode.vertical))
 
@@ -100,12 +100,12 @@ def _row(model, what, rates, sensor=None):
 
 
 def shortfalls(rows):
-    """Sentences on what is wrong in ``rows``, beside what is in every row of the network's."""
+    """Sentences on frames lost and on rates below the goals in ``rows``."""
     found = []
     for row in rows:
         name, goal = row["what"], _GOALS.get(row["what"])
         if row["lost"]:
             found.append(f"{name}: {row['lost']} frames were lost")
         if goal and (row["width"], row["height"]) == FULL and row["frames_per_second"] < goal:
-            found.append(f"{name}: {row['frames_per_second']} frames a second, {goal} are the goal")
+            found.append(f"{name}: {row['frames_per_second']} frames per second, goal {goal}")
     return found

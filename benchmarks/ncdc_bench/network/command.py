@@ -36,7 +36,7 @@ def add_arguments(parser):
     parser.add_argument("--core-mhz", type=int, choices=_CORE_MHZ,
                         help="with --board: clock of its core and SDRAM (default: 100)")
     parser.add_argument("--screen", action="store_true",
-                        help="with --board: once more beside a screen that shows them")
+                        help="with --board: once more with a screen that shows them")
     add_json(parser)
 
 

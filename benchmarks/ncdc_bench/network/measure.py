@@ -22,8 +22,8 @@ __all__ = ["LOSS", "rows_of"]
 LOSS = 50               # of a thousand packets of pictures
 _MTU = 1500
 _LINK = "a byte per clock, 100 MHz"
-# The first exposure, and those that a client sets, of small pictures and of others: such that the
-# client, who counts whole lines, comes to the same line as the sensor's set-up.
+# The first exposure, and those that a client sets, of small pictures and of others. They are whole
+# lines: the client counts lines, and must agree with the sensor's configuration.
 _SMALL_EXPOSURES_US, _EXPOSURES_US = (100.0, 60.0, 200.0), (1000.0, 500.0, 2000.0)
 _COMMANDS = 30
 _SMALL = 320            # columns of a picture that comes faster than a client takes it
@@ -44,7 +44,7 @@ class _Bench:
         self.count = 0
         self.exposures = _exposures(model.descriptor.geometry.corrected)
         small = model.descriptor.geometry.corrected[0] < _SMALL
-        self.beside_commands = 12 if small else 6
+        self.frames_during_commands = 12 if small else 6
 
     def _row(self, what, peer, **figures):
         width, height = self.model.descriptor.geometry.corrected
@@ -108,14 +108,16 @@ class _Bench:
 
 
     def corrector_row(self, run):
-        """A row on the corrector's last frame: clocks from its start to the last pixel in memory,
-        beside the camera, the packetiser and the processor."""
+        """A row on the corrector's last frame: clocks from its start to the last pixel in memory.
+
+        Camera, packetiser and processor use the memory at the same time.
+        """
         descriptor = self.model.descriptor
         table = registers(descriptor.hidden_neurons, descriptor.formats, descriptor.nodes)
         at, = (one.address for one in table if one.name == "CLOCKS")
         width, height = descriptor.geometry.corrected
         clocks = self.ask(run, {"do": "register", "address": ADDRESS,
-                                "place": CORRECTOR_BASE + 4 * at})
+                                "register": CORRECTOR_BASE + 4 * at})
         return self._row("while pictures stream", "corrector",
                          clocks_per_pixel=round(clocks / (width * height), 3))
 
@@ -125,10 +127,10 @@ def _exposures(size):
 
 
 def different(pictures, goldens):
-    """Pixels that differ, of all pictures together, if each is one golden picture or the next ones.
+    """Pixels that differ, of all pictures together, from golden pictures in their order.
 
-    The goldens change in their order, none is left out, at those places that leave the fewest
-    differences; a whole picture counts if there are fewer pictures than goldens.
+    None of the goldens is left out. They change at the pictures that leave the fewest differences.
+    A whole picture counts if there are fewer pictures than goldens.
     """
     costs = np.array([[(picture != golden).any(axis=-1).sum() if picture.shape == golden.shape
                        else golden[..., 0].size for golden in goldens] for picture in pictures])
@@ -140,18 +142,17 @@ def different(pictures, goldens):
 
 
 def rows_of(size, step):
-    """Rows for pictures of that size, (width, height); ``step(text)`` is told what is measured.
+    """Rows for pictures of that size, (width, height); ``step(text)`` is called for each one.
 
     Returns
     -------
     list of dict
         ``what``, ``peer``, ``link``, ``mtu``, ``width``, ``height``, ``format``, ``frames``,
-        ``pixels_different``, ``megabytes_per_second`` (of picture, by the time stamps of the
-        frames), ``underruns`` (frames that paused or broke on the wire, since the start),
-        ``clocks_per_pixel`` (of the corrector), ``clocks_per_command``,
-        ``most_clocks_per_command`` (median and largest of the clocks from
-        the first byte of a command's frame to the last one of its answer's), ``resent``; None for
-        what is not measured there.
+        ``pixels_different``, ``resent``; None if not measured. ``megabytes_per_second``: of
+        picture, by the time stamps of the frames. ``underruns``: frames that paused or broke on
+        the wire, since the start. ``clocks_per_pixel``: of the corrector. ``clocks_per_command``,
+        ``most_clocks_per_command``: median and largest number of clocks from the first byte of a
+        command's frame to the last one of its answer's.
 
     Raises
     ------
@@ -189,7 +190,7 @@ def _idle(bench, run, step):
 
 def _streaming(bench, run, step, goldens):
     step("commands while pictures stream")
-    task = bench.pictures("aravis", bench.beside_commands)
+    task = bench.pictures("aravis", bench.frames_during_commands)
     process = bench.start(run, task)
     run.wait_for(lambda: "streaming" in (bench.folder / "peer.txt").read_text())
     rows = [bench.command_row("while pictures stream", run, kind) for kind in ("gvcp", "table")]

@@ -1,4 +1,4 @@
-"""What a client does with the simulated system; runs in the client's namespace as a program.
+"""A client's work with the simulated system; runs in the client's namespace as a program.
 
 ``python -m ncdc_bench.network.peer JSON`` prints a JSON report; see :func:`main`.
 """
@@ -18,9 +18,9 @@ from ncdc_spec.protocols.table_one import TCP_PORT
 
 __all__ = ["main"]
 
-_PATIENCE_S = 300
-# A packet that is missing is asked for again after the time of so many on the simulated wire:
-# Aravis' own 20 ms are that of two where a second of the device takes six hundred.
+_TIMEOUT_S = 300
+# A missing packet is requested again after the time of so many on the simulated wire. Aravis' own
+# 20 ms are the time of two, as a second of the device takes six hundred.
 _PACKETS = 100
 _PACKET_US = 12                 # of the device's clock
 _SPEED_S = 0.3                  # in which its speed is measured
@@ -32,8 +32,8 @@ _AFTER_CHANGE = 16
 def main(task):
     """The report on a ``task``: a dict with
 
-    - do: "gvcp" or "table", to ask ``count`` times at ``address``; "register", to read that at the
-      ``place`` of its memory; or "pictures": with
+    - do: "gvcp" or "table", to ask ``count`` times at ``address``; "register", to read the
+      word at the address ``register`` of its memory; or "pictures": with
     - url: of the device; folder: for pictures; frames: before the changes;
     - changes: (feature, value), or ("lens", file of a descriptor).
     """
@@ -41,22 +41,22 @@ def main(task):
         return _pictures(task)
     if task["do"] == "register":
         with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as asking:
-            asking.settimeout(_PATIENCE_S)
-            return _register(asking, task["address"], task["place"], 1)
+            asking.settimeout(_TIMEOUT_S)
+            return _register(asking, task["address"], task["register"], 1)
     return {"gvcp": _gvcp, "table": _table}[task["do"]](task["address"], task["count"])
 
 
 def _gvcp(address, count):
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as asking:
-        asking.settimeout(_PATIENCE_S)
+        asking.settimeout(_TIMEOUT_S)
         for k in range(count):
             _register(asking, address, gvcp.place("HeartbeatTimeout").address, k + 1)
     return {"commands": count}
 
 
-def _register(asking, address, place, number):
-    """The word at a place of the device's memory, by command ``number``."""
-    asking.sendto(gvcp.command_packet(gvcp.READREG, number, struct.pack(">I", place)),
+def _register(asking, address, register, number):
+    """The word at an address of the device's memory, by command ``number``."""
+    asking.sendto(gvcp.command_packet(gvcp.READREG, number, struct.pack(">I", register)),
                   (address, gvcp.PORT))
     status, code, answered, word = gvcp.parse_acknowledge(asking.recv(2000))
     if (status, code, answered) != (gvcp.SUCCESS, gvcp.READREG + 1, number):
@@ -65,7 +65,7 @@ def _register(asking, address, place, number):
 
 
 def _table(address, count):
-    with socket.create_connection((address, TCP_PORT), _PATIENCE_S) as asking:
+    with socket.create_connection((address, TCP_PORT), _TIMEOUT_S) as asking:
         for _ in range(count):
             asking.sendall(struct.pack(">BHH", 0x80, _WIDTH_WORD, 0))
             answer = b""
@@ -99,7 +99,7 @@ def _take(task, device):
     with device.stream(task["packet_size"]) as stream:
         def take(count):
             for _ in range(count):
-                frame = stream.next(_PATIENCE_S)
+                frame = stream.next(_TIMEOUT_S)
                 np.save(f"{task['folder']}/{len(frames)}.npy", frame.pixels)
                 frames.append([frame.number, frame.time_ns])
         take(1)

@@ -31,7 +31,7 @@ def sizes_of(size, step):
     """Two rows for each part, for pictures of that size: ``part``, ``target`` ("cyclonev" or
     "ecp5"), ``alm`` (None for ECP5), ``lut``, ``ff``, ``dsp``, ``ram_blocks``.
 
-    On ECP5 ``lut`` counts half slices: LUTs, carries, distributed RAM. Nothing is placed.
+    On ECP5 ``lut`` counts half slices: LUTs, carries, distributed RAM. Place and route is not run.
     Raises :class:`ncdc.toolchain.flows.SynthesisError` if a tool fails.
     """
     for part, top, text in _parts(trained(Lens(_VIEW, size))):

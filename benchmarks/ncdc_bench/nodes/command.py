@@ -25,7 +25,7 @@ def add_arguments(parser):
     parser.add_argument("--neurons", default="12", metavar="LIST",
                         help="hidden neurons, as 8,12 or 4-16 (default: 12)")
     parser.add_argument("-o", "--output", metavar="DIR",
-                        help="also write a plot of what is added against the distance, nodes.png")
+                        help="also write a plot of the added error by distance of nodes, nodes.png")
     add_json(parser)
 
 

@@ -1,4 +1,4 @@
-"""What the network at nodes adds, on whole frames of the reference lenses."""
+"""Error that the network at nodes adds, on whole frames of the reference lenses."""
 
 from dataclasses import dataclass, replace
 
@@ -43,10 +43,10 @@ def rows_of(name, descriptor, progress=lambda fraction: None):
     Returns
     -------
     list of dict
-        ``lens``, ``hidden_neurons``, ``nodes``; ``chosen``, whether ``auto`` takes that;
-        ``curvature_px``; ``added_max_px`` and ``added_mean_px``, the integers' difference on an
-        axis from the same integer network at every pixel before its final rounding; ``bound_px``
-        of that (``docs/explanation/nodes.md``); ``fixed_minus_float_max_px``.
+        ``lens``, ``hidden_neurons``, ``nodes``, ``curvature_px``, ``fixed_minus_float_max_px``.
+        ``chosen``: whether ``auto`` takes that distance. ``added_max_px``, ``added_mean_px``: the
+        integers' difference on an axis from the same network at every pixel, before its final
+        rounding. ``bound_px``: the bound of that (``docs/explanation/nodes.md``).
     """
     d, geometry = descriptor, descriptor.geometry
     missed = curvature(float_map(d.exact_network, geometry), geometry, d.valid)

@@ -1,4 +1,4 @@
-"""The plot of ``ncdc bench nodes``: what nodes add, against their distance."""
+"""The plot of ``ncdc bench nodes``: the error that nodes add, by their distance."""
 
 import matplotlib
 from matplotlib.figure import Figure
@@ -17,7 +17,7 @@ def plot_nodes(path, rows, sizes):
     ----------
     path : Path
     rows : list of dict
-        Of :func:`ncdc_bench.nodes.measure.rows_of`, one network per lens.
+        Rows of :func:`ncdc_bench.nodes.measure.rows_of`, one network per lens.
     sizes : dict
         {lens: {width: :func:`ncdc_bench.nodes.measure.curvatures`}}
 

@@ -1,13 +1,13 @@
-"""What a case is, and the rendered targets that most cases start from."""
+"""The class of a case, and the rendered targets that most cases start from."""
 
 from dataclasses import dataclass
 from typing import Callable
 
 from ncdc_bench.photos.targets import Pose
 
-__all__ = ["EITHER", "REFUSE", "USE", "Case", "board", "case", "charuco", "circles", "page"]
+__all__ = ["EITHER", "REJECT", "USE", "Case", "board", "case", "charuco", "circles", "page"]
 
-USE, REFUSE, EITHER = "use", "refuse", "either"
+USE, REJECT, EITHER = "use", "reject", "either"
 
 
 @dataclass(frozen=True)
@@ -18,13 +18,13 @@ class Case:
     ----------
     name : str
     expect : tuple of str
-        What must become of each photo: use, refuse or either.
+        Expected result of each photo: use, reject or either.
     target : str
         As of ``ncdc calibrate --target``.
     make : callable
         Takes a :class:`Bank`, gives the photos.
     word : str
-        Regular expression of what must be said of false points: any other sentence is none.
+        Regular expression that a warning of false points must match to count.
     """
     name: str
     expect: tuple

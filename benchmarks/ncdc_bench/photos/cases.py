@@ -1,10 +1,10 @@
-"""The bad photos: how each is made, which target is asked for, and what must become of it.
+"""The bad photos: how each is made, its target, and the expected result.
 
-What must become of a photo was written down before detection was first run on any of them, by what
-a careful person would say who looks at the photo, and is not tuned since:
+The expectations were written down before detection was first run, from a careful look at each
+photo, and have not been tuned since:
 
-- ``use``: the points can be told by eye, they must be found;
-- ``refuse``: what is asked for is not there, so one sentence must say so;
+- ``use``: the eye can distinguish the points, they must be found;
+- ``reject``: the target asked for is not in the photo, so one sentence must say so;
 - ``either``: too bad to ask for: right points or a sentence.
 
 Whatever is found must be right in all three.
@@ -16,7 +16,7 @@ import cv2
 import numpy as np
 
 from ncdc_bench.photos import spoil
-from ncdc_bench.photos.case import EITHER, REFUSE, USE, Case, board, case, charuco, circles, page
+from ncdc_bench.photos.case import EITHER, REJECT, USE, Case, board, case, charuco, circles, page
 from ncdc_bench.photos.cases_of_defects import DEFECTS
 from ncdc_bench.photos.targets import Photo, Pose, side_by_side
 from ncdc_model.example import example_camera, scene_photo
@@ -57,7 +57,7 @@ def _house(bank):
 
 
 def _tiles(bank):
-    """Round tiles of uneven size and place, as on a bathroom's floor."""
+    """Round tiles of uneven size and position, as on a bathroom's floor."""
     rng, image = np.random.default_rng(5), np.full((960, 1280, 3), 200, np.uint8)
     for y in range(30, 960, 45):
         for x in range(30, 1280, 45):
@@ -121,7 +121,8 @@ _DOTS = [
     case("dots, pen marks", USE, lambda b: spoil.pen(b.real("barrel"), _STROKES, 5)),
     case("dots, pen marks, small page", USE, lambda b: spoil.pen(b.example(), _STROKES, 3)),
     case("dots, mirrored in a dark border", USE, lambda b: spoil.mirror_border(b.real("page"))),
-    case("dots, mirrored, barrel", USE, lambda b: spoil.mirror_border(b.real("barrel"), 0.1, 0.5)),
+    case("dots, mirrored, barrel", USE, lambda b: spoil.mirror_border(
+        b.real("barrel"), 0.1, 0.5)),
     case("dots, middle fifth covered", USE, lambda b: _middle_fifth(page(
         b, Pose(step=0.04, turn=4.0), size=(40, 35)))),
     case("dots, middle fifth covered, real", USE, lambda b: _middle_fifth(b.real("barrel"))),
@@ -132,13 +133,13 @@ _DOTS = [
     case("dots, shadow", USE, lambda b: spoil.shade(b.real("page"))),
     case("dots, part of the page", USE, lambda b: _cut(page(b))),
     case("dots, seen from the side", USE, lambda b: _perspective(b.real("barrel"))),
-    case("dots, clutter behind", USE, lambda b: page(b, Pose((0.1, 0.0), 0.055, 33.0))),
+    case("dots, on clutter", USE, lambda b: page(b, Pose((0.1, 0.0), 0.055, 33.0))),
     case("dots, raw frame, reddish", USE, lambda b: spoil.raw(b.real("barrel"))),
     case("dots, white on black", EITHER, lambda b: replace(
         b.real("page"), image=255 - b.real("page").image)),
-    case("dots, asked as circles:4x11", REFUSE, lambda b: b.real("barrel"), "circles:4x11"),
-    case("dots, asked as acircles:4x11", REFUSE, lambda b: b.real("page"), "acircles:4x11"),
-    case("dots, asked as chessboard:9x6", REFUSE, lambda b: b.example(), "chessboard:9x6"),
+    case("dots, asked as circles:4x11", REJECT, lambda b: b.real("barrel"), "circles:4x11"),
+    case("dots, asked as acircles:4x11", REJECT, lambda b: b.real("page"), "acircles:4x11"),
+    case("dots, asked as chessboard:9x6", REJECT, lambda b: b.example(), "chessboard:9x6"),
 ]
 _CIRCLES = [
     case("circles, blurred by 3 px", USE, lambda b: spoil.blur(b.real("circles"), 3)),
@@ -155,10 +156,10 @@ _CIRCLES = [
     case("circles, glare", USE, lambda b: spoil.glare(circles(b), [(0.42, 0.4)], 0.06),
           "circles:9x7"),
     case("circles, pen marks", USE, lambda b: spoil.pen(circles(b), _STROKES, 4), "circles:9x7"),
-    case("circles, clutter behind", USE, lambda b: circles(b, Pose((0.2, 0.1), 0.1, 25.0))),
+    case("circles, on clutter", USE, lambda b: circles(b, Pose((0.2, 0.1), 0.1, 25.0))),
     case("circles, shaken by 7 px", USE, lambda b: spoil.shake(b.real("circles2"), 7)),
     case("circles, asked as 12x9", EITHER, lambda b: b.real("circles"), "circles:12x9"),
-    case("circles, asked as 7x5", REFUSE, lambda b: b.real("circles"), "circles:7x5"),
+    case("circles, asked as 7x5", REJECT, lambda b: b.real("circles"), "circles:7x5"),
     case("circles, a cut photo first", (USE,) * 4, lambda b: [
         _cut(circles(b)), circles(b), circles(b, Pose((0.1, 0.0), 0.12, -12.0, (15.0, 20.0))),
         circles(b, Pose((-0.1, 0.0), 0.12, 15.0, (-20.0, 5.0)))]),
@@ -167,7 +168,7 @@ _CIRCLES = [
           "acircles:14x24"),
     case("hexagonal, turned by 20", USE, lambda b: spoil.turn(b.real("hexagonal"), 20)),
     case("hexagonal, JPEG 5", USE, lambda b: spoil.compress(b.real("hexagonal"))),
-    case("staggered, clutter behind", USE, lambda b: b.render(
+    case("staggered, on clutter", USE, lambda b: b.render(
         ("acircles", 4, 11, Pose(step=0.1, turn=10.0)), clutter=True)),
 ]
 _BOARDS = [
@@ -207,12 +208,12 @@ _BOARDS = [
     case("board, seen from the side", USE, lambda b: _perspective(b.real("mild1"))),
     case("board, fisheye, upright", USE, lambda b: spoil.turn(b.real("fisheye1"), 7)),
     case("board, fisheye, blurred by 2 px", USE, lambda b: spoil.blur(b.real("fisheye2"), 2)),
-    case("board, asked as 7x5", REFUSE, lambda b: b.real("wide1"), "chessboard:7x5"),
-    case("board, asked as 7x5, rendered", REFUSE, lambda b: board(b), "chessboard:7x5"),
-    case("board, asked as dots", REFUSE, lambda b: board(b), "dots"),
-    case("board, one photo a pixel smaller", (REFUSE, USE, USE), lambda b: [
+    case("board, asked as 7x5", REJECT, lambda b: b.real("wide1"), "chessboard:7x5"),
+    case("board, asked as 7x5, rendered", REJECT, lambda b: board(b), "chessboard:7x5"),
+    case("board, asked as dots", REJECT, lambda b: board(b), "dots"),
+    case("board, one photo a pixel smaller", (REJECT, USE, USE), lambda b: [
         _less(b.real("mild1")), b.real("mild2"), b.real("mild3")], "chessboard:9x6"),
-    case("board, a blank and a street among them", (REFUSE, REFUSE, USE, USE), lambda b: [
+    case("board, a blank and a street among them", (REJECT, REJECT, USE, USE), lambda b: [
         _grey(b, 180), Photo(b.street((640, 480)), ()), b.real("wide1"), b.real("wide2")]),
     case("board, a blurred one among them", (EITHER, USE, USE), lambda b: [
         spoil.blur(b.real("wide1"), 9), b.real("wide2"), b.real("wide3")]),
@@ -230,17 +231,17 @@ _CHARUCO = [
     case("charuco, pen marks", USE, lambda b: spoil.pen(charuco(b), _STROKES, 4), "charuco:9x7"),
     case("charuco, fisheye 1600x1200", USE, lambda b: charuco(
         b, Pose((0.2, 0.2), 0.16, 30.0, (15.0, 20.0)), view=0.34, size=(9, 7)), "charuco:9x7"),
-    case("charuco, asked as 7x5", REFUSE, lambda b: charuco(b), "charuco:7x5"),
+    case("charuco, asked as 7x5", REJECT, lambda b: charuco(b), "charuco:7x5"),
     case("charuco, mirrored", EITHER, lambda b: replace(
         charuco(b), image=charuco(b).image[:, ::-1].copy(), truths=()), "charuco:9x7"),
 ]
 _NONE = [
-    case("no target: a street", REFUSE, lambda b: Photo(b.street((1280, 960)), ())),
-    case("no target: a grey wall", REFUSE, lambda b: _grey(b, 128)),
-    case("no target: the lens cap", REFUSE, lambda b: spoil.noise(_grey(b, 2), 1.5)),
-    case("no target: a house front", REFUSE, _house),
-    case("no target: a page of text", REFUSE, _letters),
-    case("no target: round tiles", REFUSE, _tiles),
-    case("no target: noise", REFUSE, _noise),
+    case("no target: a street", REJECT, lambda b: Photo(b.street((1280, 960)), ())),
+    case("no target: a grey wall", REJECT, lambda b: _grey(b, 128)),
+    case("no target: the lens cap", REJECT, lambda b: spoil.noise(_grey(b, 2), 1.5)),
+    case("no target: a house front", REJECT, _house),
+    case("no target: a page of text", REJECT, _letters),
+    case("no target: round tiles", REJECT, _tiles),
+    case("no target: noise", REJECT, _noise),
 ]
 CASES = tuple(_DOTS + _CIRCLES + _BOARDS + _CHARUCO + _NONE + DEFECTS)

@@ -1,8 +1,8 @@
 """Photos whose every point may be found, and that still do not say what the lens is.
 
-The page is bent, of two sheets, out of focus in part, or scanned by a rolling shutter; or the photo
-is vignetted, compressed, inverted, of a screen, from far aside or from near. The expectations were
-written as in :mod:`ncdc_bench.photos.cases`, before detection was first run on these photos.
+The page is bent, of two sheets, out of focus in part, or scanned by a rolling shutter. Or the photo
+is vignetted, compressed, inverted, of a screen, oblique or close. The expectations were written as
+in :mod:`ncdc_bench.photos.cases`, before detection was first run on these photos.
 """
 
 from dataclasses import replace
@@ -50,11 +50,13 @@ def _sheets(kind, *shifts, axis=0):
             for shift in shifts]
 
 
-def _each(name, strengths, spoiled, kinds=("dots", "circles", "board"), word=""):
-    """A case for each kind of target and each of ``strengths``, pairs (text, expectation, value) or
-    triples; ``spoiled(photo, value)`` is what is done to a clean photo."""
+def _each(name, strengths, degraded, kinds=("dots", "circles", "board"), word=""):
+    """A case for each kind of target and each of ``strengths``, pairs (expectation, value).
+
+    ``degraded(photo, value)`` returns the clean photo with the defect.
+    """
     return [case(f"{kind}, {name} {value}", expect,
-                 lambda b, kind=kind, value=value: spoiled(_full(b, kind), value), word=word)
+                 lambda b, kind=kind, value=value: degraded(_full(b, kind), value), word=word)
             for kind in kinds for expect, value in strengths]
 
 

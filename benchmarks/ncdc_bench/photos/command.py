@@ -67,7 +67,7 @@ def _row(outcome):
     return {"case": outcome.case, "photo": outcome.photo, "expect": outcome.expect,
             "found": outcome.found, "visible": outcome.visible, "false": outcome.false,
             "cut_false": outcome.cut_false, "worst_px": outcome.worst,
-            "refused": outcome.refused, "told": outcome.told, "used": outcome.used,
+            "rejected": outcome.rejected, "message": outcome.message, "used": outcome.used,
             "silent": outcome.silent, "right": outcome.right}
 
 
@@ -81,20 +81,20 @@ def summary(outcomes):
             rows.append({
                 "kind": kind, "photos": len(group), "usable": len(usable),
                 "usable_used": sum(o.used and not o.false for o in usable),
-                "refused": sum(o.refused for o in group),
+                "rejected": sum(o.rejected for o in group),
                 "false_points": sum(o.false for o in group),
                 "silent_false": sum(o.silent for o in group)})
     return rows
 
 
 def table(outcomes):
-    """Outcomes as text: what did not become what must, then counts."""
+    """Outcomes as text: the photos that fail their expectation, then counts."""
     lines = [f"{o.case}, photo {o.photo}: must {o.expect}; {o.found} points of {o.visible}, "
-             f"{o.false} false{', SILENT' if o.silent else ''}; {o.told}"
+             f"{o.false} false{', SILENT' if o.silent else ''}; {o.message}"
              for o in outcomes if not o.right]
-    lines.append("kind       photos  usable  used  refused  false points  false without a word")
+    lines.append("kind       photos  usable  used rejected  false points  false, no warning")
     for row in summary(outcomes):
         lines.append(f"{row['kind']:<10} {row['photos']:6d} {row['usable']:7d} "
-                     f"{row['usable_used']:5d} {row['refused']:8d} {row['false_points']:13d} "
-                     f"{row['silent_false']:21d}")
+                     f"{row['usable_used']:5d} {row['rejected']:8d} {row['false_points']:13d} "
+                     f"{row['silent_false']:18d}")
     return "\n".join(lines)

@@ -23,7 +23,7 @@ class Lens:
     middle: tuple
 
     def plane(self, x, y):
-        """Where the pixels (x, y) see the plane at distance 1, two arrays."""
+        """Points of the plane at distance 1 that the pixels (x, y) see, two arrays."""
         x, y = (x - self.middle[0]) / self.focal, (y - self.middle[1]) / self.focal
         radius = np.hypot(x, y)
         slope = np.tan(2 * np.arcsin(np.clip(radius / 2, 0, 0.7))) / np.maximum(radius, 1e-9)
@@ -36,8 +36,10 @@ class Lens:
         return np.array(self.middle) + self.focal * 2 * np.sin(angle / 2)[:, None] * unit
 
     def off_flat(self, index, xy):
-        """Pixels (n,) between points ``xy`` (n, 2) and the picture of that flat page, of any
-        position, which fits them best; ``index`` (n, 2): their columns and rows."""
+        """Distances (n,) in pixels of points ``xy`` (n, 2) from the flat page that fits them best.
+
+        ``index`` (n, 2): their columns and rows.
+        """
         centre, spread = index.mean(axis=0), max(index.std(), 1e-9)
         plane = np.column_stack([(index - centre) / spread, np.ones(len(index))])
         a, b = self.plane(*xy.T)
@@ -108,7 +110,7 @@ class Plane:
         return np.abs(self._beyond(*index.T)) > _CUT
 
     def _beyond(self, columns, rows):
-        """Steps from the seam, which lies a little askew, to each place."""
+        """Steps from the seam, which lies a little askew, to each point."""
         axis, line, _ = self.sheets
         along = (rows, columns)[axis] - self.middle[1 - axis]
         return (columns, rows)[axis] - line - 0.5 + _ASKEW * along

@@ -1,4 +1,4 @@
-"""What detection makes of the bad photos, held against the truth."""
+"""Detection on the bad photos, compared with the truth."""
 
 import re
 from dataclasses import dataclass
@@ -18,29 +18,29 @@ ENOUGH = 0.5           # of the visible points that must be found for a photo to
 
 @dataclass(frozen=True)
 class Outcome:
-    """What became of one photo.
+    """Result of detection on one photo.
 
     Parameters
     ----------
     case, photo : str, int
     expect : str
-        use, refuse or either.
+        use, reject or either.
     found, visible, false : int
-        Points found; points seen of the target that was found most of; found ones more than 1
-        pixel off or of no target, numbered in a way that the target is not, or more than 1 pixel
-        from where a flat target's would be, of that position that fits the found ones best.
+        Points found; visible points of the target with the most found ones; found ones that are
+        wrong. Wrong are those more than 1 pixel off, of no target or misnumbered, and those more
+        than 1 pixel from the flat page that fits the found ones best.
     worst : float
         Pixels of the worst point that is not false; not-a-number without one.
     cut_false : int
-        False ones among the dots that the border cuts: they are reported as cut and not used, are
-        in no fit, and do not count as found.
-    told : str
-        Why it was refused, or what was warned of; empty if it was used without a word.
-    refused : bool
+        False ones among the dots that the border cuts. These are reported as cut; no fit uses
+        them, and they do not count as found.
+    message : str
+        Why it was rejected, or the warnings; empty if it was used without a warning.
+    rejected : bool
     points : object
         The found PhotoPoints, or None.
     word : str
-        Regular expression of what must be said of false points.
+        Regular expression that a warning of false points must match.
     """
     case: str
     photo: int
@@ -50,29 +50,29 @@ class Outcome:
     false: int
     worst: float
     cut_false: int
-    told: str
-    refused: bool
+    message: str
+    rejected: bool
     points: object
     word: str = ""
 
     @property
     def used(self):
         """Whether at least half of the visible points were found."""
-        return not self.refused and self.found - self.false >= ENOUGH * self.visible
+        return not self.rejected and self.found - self.false >= ENOUGH * self.visible
 
     @property
     def silent(self):
-        """Whether something false came out without a word."""
-        wrong = self.false > 0 or (self.expect == "refuse" and not self.refused)
-        return wrong and not self.refused and not (
-            self.told and re.search(self.word, self.told))
+        """Whether something false came out without a warning."""
+        wrong = self.false > 0 or (self.expect == "reject" and not self.rejected)
+        return wrong and not self.rejected and not (
+            self.message and re.search(self.word, self.message))
 
     @property
     def right(self):
-        """Whether became of it what must."""
+        """Whether the result is the expected one."""
         if self.expect == "use":
             return self.used and not self.false
-        return not self.silent and (self.refused or self.expect == "either")
+        return not self.silent and (self.rejected or self.expect == "either")
 
 
 def try_case(case, photos):
@@ -81,23 +81,23 @@ def try_case(case, photos):
     try:
         points = detect_points([(name, photo.image) for name, photo in zip(names, photos)],
                                case.target)
-        found, refused = {photo.name: photo for photo in points.photos}, points.rejected_photos
-        told = judged(points)[2]
+        found, rejected = {photo.name: photo for photo in points.photos}, points.rejected_photos
+        message = judged(points)[2]
     except InputError as error:
-        found, refused, told = {}, dict.fromkeys(names, str(error)), []
-    return [_outcome(case, k, photo, found.get(name), refused.get(name), told)
+        found, rejected, message = {}, dict.fromkeys(names, str(error)), []
+    return [_outcome(case, k, photo, found.get(name), rejected.get(name), message)
             for k, (name, photo) in enumerate(zip(names, photos))]
 
 
-def _outcome(case, number, photo, points, refused, warnings):
+def _outcome(case, number, photo, points, rejected, warnings):
     if points is None:
         return Outcome(case.name, number, case.expect[number], 0, _visible(photo), 0, np.nan, 0,
-                       refused or "not there", True, None)
+                       rejected or "not there", True, None)
     visible, false, worst, cut_false = judge(photo, points)
     name = f"{number}.png"
-    told = "; ".join(text for text in warnings if ".png" not in text or name in text)
+    message = "; ".join(text for text in warnings if ".png" not in text or name in text)
     return Outcome(case.name, number, case.expect[number], len(points.whole.index), visible, false,
-                   worst, cut_false, told, False, points, case.word)
+                   worst, cut_false, message, False, points, case.word)
 
 
 def _visible(photo):
@@ -105,7 +105,7 @@ def _visible(photo):
 
 
 def judge(photo, points):
-    """(visible, false, worst, cut_false) of found PhotoPoints against a :class:`Photo`'s truth.
+    """(visible, false, worst, cut_false) of found PhotoPoints, from a :class:`Photo`'s truth.
 
     All points must belong to one target, and their index must be the target's up to one turn,
     mirroring and shift for all.
@@ -117,9 +117,9 @@ def judge(photo, points):
         if close.sum() < 3:
             continue
         index = _renumbered(points.index, truth.index[which], close)
-        place = {tuple(key): xy for key, xy in zip(truth.index.tolist(), truth.xy)}
-        off = np.array([np.linalg.norm(place[tuple(key)] - xy) if tuple(key) in place else np.inf
-                        for key, xy in zip(index.tolist(), points.xy)])
+        position = {tuple(key): xy for key, xy in zip(truth.index.tolist(), truth.xy)}
+        off = np.array([np.linalg.norm(position[tuple(key)] - xy) if tuple(key) in position
+                        else np.inf for key, xy in zip(index.tolist(), points.xy)])
         far, cut = off > FALSE, points.cut
         if truth.lens is not None and (~far & ~cut).sum() >= 8:
             on = ~far & ~cut
@@ -132,7 +132,7 @@ def judge(photo, points):
 
 
 def _renumbered(index, true, close):
-    """``index`` turned, mirrored and shifted as most points need to have the ``true`` one."""
+    """``index`` turned, mirrored and shifted so that most points have the ``true`` one."""
     best, count = index, -1
     turns = [np.array([[a, 0], [0, b]]) for a in (1, -1) for b in (1, -1)]
     for turn in [*turns, *(matrix[::-1] for matrix in turns)]:

@@ -13,7 +13,7 @@ _ACROSS, _DOWN = 4, 6
 
 
 class ContactSheet:
-    """Small pictures with a caption: green if became of the photo what must, else red."""
+    """Small pictures with a caption: green if the result is the expected one, else red."""
 
     def __init__(self):
         self._cells = []
@@ -28,10 +28,10 @@ class ContactSheet:
         cell = np.full((_HEIGHT + _TEXT, _WIDTH, 3), 255, np.uint8)
         cell[_TEXT:_TEXT + small.shape[0], :small.shape[1]] = small[:_HEIGHT, :_WIDTH]
         colour = (0, 120, 0) if outcome.right else (200, 0, 0)
-        state = "refused" if outcome.refused else (
+        state = "rejected" if outcome.rejected else (
             f"{outcome.found}/{outcome.visible}, {outcome.false} false")
         for line, text in enumerate((f"{outcome.case} {outcome.photo or ''} [{outcome.expect}]",
-                                     f"{state} {outcome.told}")):
+                                     f"{state} {outcome.message}")):
             cv2.putText(cell, text[:62], (3, 16 + 18 * line), cv2.FONT_HERSHEY_SIMPLEX, 0.4,
                         colour, 1, cv2.LINE_AA)
         self._cells.append(cell)

@@ -1,4 +1,4 @@
-"""What careless people do to a photo of a target; the known points move with the picture."""
+"""Defects of photos of a target; the known points move with the picture."""
 
 from dataclasses import replace
 
@@ -52,19 +52,19 @@ def brighten(photo, gain):
 
 
 def compress(photo, quality=5):
-    """Kept as a JPEG file of low quality."""
+    """Compress as a JPEG file of low quality."""
     data = cv2.imencode(".jpg", photo.image, [cv2.IMWRITE_JPEG_QUALITY, quality])[1]
     flag = cv2.IMREAD_COLOR if photo.image.ndim == 3 else cv2.IMREAD_GRAYSCALE
     return replace(photo, image=cv2.imdecode(data, flag))
 
 
-def glare(photo, places, radius=0.12):
-    """White reflections of ``radius`` widths at ``places`` in parts of width and height."""
+def glare(photo, spots, radius=0.12):
+    """White reflections of ``radius`` widths at ``spots`` in parts of width and height."""
     picture = photo.image.astype(np.float32)
     y, x = np.indices(picture.shape[:2])
     width, height = photo.size
     visible = [truth.visible.copy() for truth in photo.truths]
-    for a, b in places:
+    for a, b in spots:
         shine = 330 * np.exp(-((x - a * width)**2 + (y - b * height)**2) / (radius * width)**2)
         picture += shine if picture.ndim == 2 else shine[:, :, None]
         for seen, truth in zip(visible, photo.truths):
@@ -110,7 +110,7 @@ def fill(photo, picture, box):
 
 
 def pen(photo, lines, thick=3, colour=(25, 30, 90)):
-    """Somebody drew ``lines``, each of two points in parts of the size, with a pen."""
+    """Draw ``lines`` with a pen, each of two points in parts of the size."""
     picture = _colour(photo)
     for line in lines:
         ends = [tuple(np.rint(np.array(end) * photo.size).astype(int).tolist()) for end in line]
@@ -136,11 +136,11 @@ def warp(photo, matrix, size=None, ground=0):
     ground = ground if np.ndim(ground) else np.full((size[1], size[0], 3), ground, np.uint8)
     share = mask[:, :, None]
 
-    def place(xy):
+    def project(xy):
         moved = np.column_stack([xy, np.ones(len(xy))]) @ matrix.T
         return moved[:, :2] / moved[:, 2:]
     return Photo(_clipped(moved * share + ground * (1 - share)),
-                 tuple(truth.moved(place, size) for truth in photo.truths))
+                 tuple(truth.moved(project, size) for truth in photo.truths))
 
 
 def turn(photo, degrees, zoom=1.0, shift=(0.0, 0.0), ground=0):
@@ -180,8 +180,10 @@ def raw(photo):
 
 
 def part_focus(photo, sigma, degrees=0.0, at=0.6, soft=0.03):
-    """Out of focus by a Gaussian of ``sigma`` pixels beyond the part ``at`` of the width, across a
-    line turned by ``degrees``; from sharp to blurred in about ``soft`` widths."""
+    """Blur by a Gaussian of ``sigma`` pixels beyond a line at the part ``at`` of the width.
+
+    The line is turned by ``degrees``; the blur begins within about ``soft`` widths.
+    """
     sharp = photo.image.astype(np.float32)
     beyond = 1 / (1 + np.exp(-_beyond(photo, degrees, at) / (soft * photo.size[0] / 2)))
     beyond = beyond if sharp.ndim == 2 else beyond[:, :, None]
@@ -190,8 +192,10 @@ def part_focus(photo, sigma, degrees=0.0, at=0.6, soft=0.03):
 
 
 def _beyond(photo, degrees, at):
-    """Pixels (h, w) that each pixel lies right of the line through the part ``at`` of the width at
-    half of the height, turned by ``degrees``."""
+    """Distances (h, w) in pixels to the right of a line turned by ``degrees``.
+
+    At half of the height the line is at the part ``at`` of the width.
+    """
     y, x = np.indices(photo.image.shape[:2])
     angle, (width, height) = np.radians(degrees), photo.size
     return (x - at * width) * np.cos(angle) + (y - 0.5 * height) * np.sin(angle)

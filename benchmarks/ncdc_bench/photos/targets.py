@@ -31,21 +31,25 @@ _REAL = {
 
 @dataclass(frozen=True)
 class Truth:
-    """One target in a photo: the index (n, 2) and the pixels (n, 2) of each of its points, seen or
-    not; ``visible`` (n,): in the picture and not covered; ``lens``: the :class:`Lens`, if known."""
+    """One target in a photo: ``index`` (n, 2) and pixels ``xy`` (n, 2) of all its points.
+
+    ``visible`` (n,): in the picture and not covered; ``lens``: the :class:`Lens`, if known.
+    """
     kind: str
     index: np.ndarray
     xy: np.ndarray
     visible: np.ndarray
     lens: Lens | None = None
 
-    def moved(self, place, size):
-        """The same after ``place`` moved its points; what left the picture is not visible. Unless
-        ``place`` is None, nothing is known of the lens any more."""
-        xy = self.xy if place is None else place(self.xy)
+    def moved(self, move, size):
+        """The same with its points moved by ``move``; points outside the picture are invisible.
+
+        The lens is unknown then, unless ``move`` is None.
+        """
+        xy = self.xy if move is None else move(self.xy)
         inside = ((xy >= 0) & (xy <= np.array(size) - 1)).all(axis=1)
         return replace(self, xy=xy, visible=self.visible & inside,
-                       lens=self.lens if place is None else None)
+                       lens=self.lens if move is None else None)
 
 
 @dataclass(frozen=True)
@@ -62,11 +66,11 @@ class Photo:
 
 @dataclass(frozen=True)
 class Pose:
-    """Where a rendered target lies: its middle in the ideal plane, one step's length there, its
-    turn in the picture, its two tilts in degrees, and the curvature of a page that is bent round a
-    cylinder along its columns: 1 / radius, in steps. A page of two sheets: the axis across their
-    seam (0: it lies right of a column, 1: below a row), that column or row in the middle, and the
-    steps (columns, rows) by which what is beyond is moved."""
+    """Pose of a rendered target: its middle in the ideal plane, one step's length there, its turn
+    in the picture, its two tilts in degrees, and its curvature. The curvature is 1 / radius,
+    in steps, of a page bent round a cylinder along its columns. A page of two sheets has the axis
+    across their seam (0: it lies right of a column, 1: below a row), that column or row in the
+    middle, and the shift of the second sheet in steps (columns, rows)."""
     middle: tuple = (0.0, 0.0)
     step: float = 0.16
     turn: float = 5.0
@@ -133,7 +137,7 @@ class Bank:
     data : path
         Folder of the real photos and of ``truth.npz``, their points.
     scale : float
-        Of rendered pictures, 1 for 1280x960.
+        Scale of rendered pictures, 1 for 1280x960.
     """
 
     def __init__(self, data, scale=1.0):
@@ -175,9 +179,9 @@ class Bank:
     def render(self, *targets, size=(1280, 960), view=0.42, clutter=False, seed=1, shutter=None):
         """Photo by a wide :class:`Lens` of ``targets``, each (kind, columns, rows, :class:`Pose`).
 
-        Its focal length is ``view`` widths. Behind the targets is a street, or grey. ``shutter``:
-        pixels, for a width of 1280, by which a rolling shutter moves the row at part 0..1 of the
-        height to the right, a function of that part.
+        Its focal length is ``view`` widths. The background is a street, or grey. ``shutter``: a
+        function of the part 0..1 of the height, a rolling shutter's shift of that row to the
+        right, in pixels of a picture 1280 wide.
         """
         width, height = (int(value * self.scale) for value in size)
         lens = Lens(view * width, ((width - 1) / 2 + 6, (height - 1) / 2 - 4))

@@ -1,4 +1,4 @@
-"""``ncdc bench pictures``: how good the corrected picture is, beside OpenCV's flows."""
+"""``ncdc bench pictures``: quality of the corrected picture, compared with OpenCV's flows."""
 
 import tempfile
 from pathlib import Path

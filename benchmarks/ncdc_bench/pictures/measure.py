@@ -1,4 +1,4 @@
-"""Quality of a corrected picture: the hardware's interpolations beside OpenCV's flows."""
+"""Quality of a corrected picture: the hardware's interpolations and OpenCV's flows."""
 
 from dataclasses import dataclass, replace
 
@@ -12,7 +12,7 @@ from ncdc_spec.interpolation import INTERPOLATIONS
 
 __all__ = ["FLOWS", "Subject", "fitted", "measure"]
 
-_RIM = 3            # samples beside the raw frame's border that no flow has to invent
+_RIM = 3            # samples at the raw frame's border that are not compared
 # How OpenCV demosaics a frame and how it remaps the result.
 _DEMOSAICING = "bilinear", "edge-aware", "vng"
 _REMAPPING = {"bilinear": cv2.INTER_LINEAR, "bicubic": cv2.INTER_CUBIC}
@@ -55,15 +55,15 @@ def measure(descriptor, subject):
     Returns
     -------
     list of dict
-        ``picture``, ``flow``; ``psnr_db``, ``psnr_lanczos_db``: peak signal-to-noise ratio against
-        either reference; ``ssim``: structural similarity to the first one, mean of the colours;
+        ``picture``, ``flow``. ``psnr_db``, ``psnr_lanczos_db``: peak signal-to-noise ratio to
+        either reference. ``ssim``: structural similarity to the first one, mean of the colours.
         ``false_colour``: root mean square of the errors of R - G and B - G, in grey levels.
     dict
         Pictures (corrected height, width, 3) uint8 by flow, and ``reference``.
     """
     geometry = descriptor.geometry
     v, u = np.indices(geometry.corrected[::-1])
-    x, y = (place.astype(np.float32) for place in descriptor.network(*geometry.normalise(u, v)))
+    x, y = (axis.astype(np.float32) for axis in descriptor.network(*geometry.normalise(u, v)))
     mask = (descriptor.valid.mask(geometry.corrected_width)
             & (x >= _RIM) & (x <= geometry.distorted_width - 1 - _RIM)
             & (y >= _RIM) & (y <= geometry.distorted_height - 1 - _RIM))

@@ -14,7 +14,7 @@ _CROP = 64, 48          # columns and rows of a crop
 
 
 def busiest(reference, size=_CROP):
-    """(row, column) of the crop of ``reference`` (height, width, 3) with most fine detail."""
+    """(row, column) of the crop of ``reference`` (height, width, 3) with the most fine detail."""
     width, height = size
     detail = np.abs(cv2.Laplacian(reference.astype(np.float32), cv2.CV_32F)).sum(axis=2)
     total = cv2.boxFilter(detail, -1, size, anchor=(0, 0), normalize=False)
@@ -23,7 +23,7 @@ def busiest(reference, size=_CROP):
 
 
 def plot_crops(path, before, pictures, rows):
-    """Write a JPEG: a picture before and after, beside it the same crop of each flow, enlarged.
+    """Write a JPEG: a picture before and after, and the same crop of each flow, enlarged.
 
     Parameters
     ----------
@@ -34,7 +34,7 @@ def plot_crops(path, before, pictures, rows):
         By flow; among them ``reference``, whose detail chooses the crop, and the default
         interpolation, whose whole picture is shown.
     rows : list of dict
-        Of these flows, as of :func:`ncdc_bench.pictures.measure.measure`.
+        Rows of these flows, from :func:`ncdc_bench.pictures.measure.measure`.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""What ``ncdc bench synth`` puts through synthesis: the corrector's blocks, and the whole."""
+"""Designs that ``ncdc bench synth`` synthesises: the corrector's blocks, and the whole."""
 
 from dataclasses import replace
 from functools import cache

@@ -1,4 +1,4 @@
-"""What ``ncdc bench synth`` measures of whole boards: all but clocks and pins."""
+"""Whole boards for ``ncdc bench synth``, without clocks and pins."""
 
 from dataclasses import replace
 

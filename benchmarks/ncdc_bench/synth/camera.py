@@ -19,9 +19,9 @@ class CameraBlocks(wiring.Component):
     data_width, burst : int
         Bits of a word of the memory; words of a burst.
     readers : int
-        Of the store.
+        Readers of the store.
     depth : int
-        Of the queue between the clocks.
+        Depth of the queue between the clocks.
     """
 
     def __init__(self, data_width, burst, readers, depth):

@@ -39,7 +39,7 @@ def add_arguments(parser):
 def run(args):
     """Synthesise what is not known yet, and report."""
     if args.seeds < 1:
-        raise InputError(f"seeds is {args.seeds}, the least is 1")
+        raise InputError(f"seeds is {args.seeds}, the minimum is 1")
     chosen = [(block, variant) for block in args.block for variant in BLOCKS[block]
               if not args.variant or variant in args.variant]
     if not chosen:

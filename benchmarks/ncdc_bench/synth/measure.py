@@ -1,4 +1,4 @@
-"""Rows of ``ncdc bench synth``: each block through each open flow, kept by what it depends on."""
+"""Rows of ``ncdc bench synth``: each block through each open flow, cached by its sources."""
 
 import inspect
 import json
@@ -43,30 +43,31 @@ _LARGER_IS_WORSE = ("alm", "le", "lut", "ff", "dsp", "ram_blocks")
 def block_rows(block, variant, targets=TARGETS, seeds=1, progress=lambda step: None, plain=False):
     """Figures of one block, a row for each target.
 
-    Only what depends on changed Verilog, another flow or other tools is run; all else comes from
+    Only what depends on changed Verilog, another flow or other tools is run. All else comes from
     the folder of compiled simulations. The clock is that of the block between registers of its
-    own; the sizes of the Cyclones are those of the block alone, of ECP5 with these registers.
+    own. The sizes of the Cyclones are those of the block alone, those of ECP5 include these
+    registers.
 
     Parameters
     ----------
     block, variant : str
-        Of ``ncdc_bench.synth.blocks.BLOCKS``.
+        Names in ``ncdc_bench.synth.blocks.BLOCKS``.
     targets : sequence of str
-        Of :data:`TARGETS`; what a variant is not made for is left out.
+        Names in :data:`TARGETS`; those that a variant does not support are left out.
     seeds : int
-        Placements on ECP5; the median clock counts.
+        Place-and-route runs on ECP5; the median clock counts.
     progress : callable
         Called with the name of each step.
     plain : bool
-        Also place the netlist as Yosys leaves it, without the steps of ``ecp5_netlist/``.
+        Also place and route Yosys's own netlist, without the steps of ``ecp5_netlist/``.
 
     Returns
     -------
     list of dict
-        ``block``, ``variant``, ``target``, ``multiplier_bits``; ``hidden_neurons``, ``nodes``,
-        ``lanes``; ``alm``, ``le`` (logic elements of Cyclone IV), ``lut``, ``ff``, ``dsp``,
-        ``ram_blocks``, ``fmax_mhz``, ``fmax_seeds_mhz``, ``fmax_plain_mhz`` (the median of the
-        same seeds, if ``plain``), ``seeds``; None for what a flow does not tell.
+        ``block``, ``variant``, ``target``, ``multiplier_bits``, ``hidden_neurons``, ``nodes``,
+        ``lanes``. ``alm``, ``le`` (logic elements of Cyclone IV), ``lut``, ``ff``, ``dsp``,
+        ``ram_blocks``, ``fmax_mhz``, ``fmax_seeds_mhz``, ``seeds``; None if a flow does not report
+        it. ``fmax_plain_mhz``: the median of the same seeds, if ``plain``.
 
     Raises
     ------
@@ -103,14 +104,14 @@ def block_rows(block, variant, targets=TARGETS, seeds=1, progress=lambda step: N
 
 
 def _kept(target, verilog, progress):
-    """What the flow of a Cyclone finds for module ``block`` of ``verilog``, run only once."""
+    """Figures of the Cyclone's flow for module ``block`` of ``verilog``, cached."""
     flow = _FLOWS[target]
     return _once(f"synth-{target}", [verilog, inspect.getsource(flow), *SCRIPTS[target]],
                  lambda: flow(verilog, "block", progress=progress))
 
 
 def _placed(verilog, progress, seed, plain=False):
-    """What the flow of ECP5 finds for one placement of module ``block``, run only once."""
+    """Figures of the ECP5 flow for one seed of module ``block``, cached."""
     flow = _FLOWS["ecp5"]
     parts = [verilog, inspect.getsource(flow), str(seed),
              *([] if plain else map(inspect.getsource, _ABSORB_PARTS))]
@@ -124,7 +125,7 @@ def _placed(verilog, progress, seed, plain=False):
 
 
 def _once(name, parts, make):
-    """What ``make()`` gives, made once for the strings ``parts`` and the tools' versions."""
+    """Result of ``make()``, cached by the strings ``parts`` and the tools' versions."""
     def build(folder):
         (folder / "result.json").write_text(json.dumps(make()))
     key = key_of(name, repr(tool_versions()), *parts)

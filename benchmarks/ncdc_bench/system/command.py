@@ -21,7 +21,7 @@ def add_arguments(parser):
 
 
 def run(args):
-    """Measure and report; 1 if a pixel differs, a frame is torn or lost, or a fault is not told."""
+    """Measure and report; 1 on a wrong pixel, a torn or lost frame, or an unreported fault."""
     rows = list(measure(QUICK if args.quick else FULL, lambda run: Progress(str(run))))
     if not write_report({"rows": rows}, args.json):
         print(table(rows))
@@ -45,9 +45,9 @@ def failures(rows):
                          f"{row['clocks_per_pixel']:.4f} are measured")
         if bound and row["follow_latency_clocks"] > bound:
             found.append(f"{name}: a frame that follows its camera came "
-                         f"{row['follow_latency_clocks']} clocks behind it, {bound} are promised")
+                         f"{row['follow_latency_clocks']} clocks after it, the bound is {bound}")
         if row["recovered"] is False:
-            found.append(f"{name}: the fault was not told")
+            found.append(f"{name}: the fault was not reported")
     return found
 
 
@@ -64,7 +64,7 @@ _COLUMNS = (
     ("size", lambda row: f"{row['width']}x{row['height']}"),
     ("memory", lambda row: row["memory"]),
     ("to", lambda row: row["output"]),
-    ("behind its camera", lambda row: (
+    ("after its camera", lambda row: (
         f"{row['follow_latency_clocks']} of {row['follow_bound_clocks']} clocks"
         if row["follow"] else "-")),
     ("fault", lambda row: row["fault"] or "-"),

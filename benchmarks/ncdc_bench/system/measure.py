@@ -26,7 +26,7 @@ _EXPOSURE_US = 100.0
 _CLOCK_MHZ = 100
 _STALL = 200_000        # clocks: 2 ms at 100 MHz
 
-# Fault, and what the counters must tell of it.
+# Fault, and the counter that must report it.
 FAULTS = {
     "short_line": (Fault("short_line", 1, 7), "line_faults"),
     "long_line": (Fault("long_line", 1, 7), "line_faults"),
@@ -46,16 +46,16 @@ class Run:
     Parameters
     ----------
     size : (int, int)
-        Of raw and corrected frames.
+        Size of raw and corrected frames.
     memory, data_width, output, format : str, int, str, str
     frames : int
     follow : bool
     degrees : float
         Horizontal view of the lens.
     fault : str
-        Of :data:`FAULTS`; empty: none.
+        Name in :data:`FAULTS`; empty: none.
     readers : int
-        Raw frames beside readers that come and go at random; 0: none.
+        Raw frames with readers that come and go at random; 0: none.
     """
     size: tuple
     memory: str = "sdram"
@@ -69,7 +69,7 @@ class Run:
     readers: int = 0
 
     def __str__(self):
-        what = f"{self.readers} frames beside readers" if self.readers else f"{self.frames} frames"
+        what = f"{self.readers} frames with readers" if self.readers else f"{self.frames} frames"
         return (f"{what} of {self.size[0]}x{self.size[1]} on {self.memory}"
                 + (", followed" if self.follow else "") + (f", {self.fault}" if self.fault else ""))
 
@@ -87,14 +87,14 @@ def measure(runs, progress=lambda run: None):
     ------
     dict
         ``width``, ``height``, ``frames``, ``memory``, ``output``, ``format``, ``follow``,
-        ``pixels_compared``, ``pixels_different``, ``camera_bytes_dropped`` (of the rows in
-        frames that lost samples or were missed), ``frames_torn``, ``clocks_per_pixel`` (of
-        the slowest frame), ``predicted_clocks_per_pixel`` (beside the camera's own
-        writes; None of a frame that follows its camera, of faults and readers),
-        ``follow_latency_clocks`` (of one that does, from the camera's last sample to the
-        interrupt), ``follow_bound_clocks`` (what the planner promises), ``camera_clocks`` (from
-        the first sample to the last), ``fault``, ``recovered`` (whether the fault was told and
-        the frames behind it are right; None without one).
+        ``pixels_compared``, ``pixels_different``, ``frames_torn``, ``fault``.
+        ``camera_bytes_dropped``: of the rows in frames that lost samples or were missed.
+        ``clocks_per_pixel``: of the slowest frame. ``predicted_clocks_per_pixel``: with the
+        camera's own writes; None with early start, faults or readers. ``follow_latency_clocks``:
+        with early start, from the camera's last sample to the interrupt.
+        ``follow_bound_clocks``: the planner's bound. ``camera_clocks``: from the first sample to
+        the last. ``recovered``: whether the fault was reported and the frames after it are right;
+        None without one.
     """
     verilogs = {}
     for run in runs:
@@ -126,19 +126,19 @@ def _row(run, verilogs, show):
     if run.readers:
         return row | _readers(simulate_readers(system, setup, light, count=run.readers, seed=1,
                                                **common), width * height)
-    fault, tells = FAULTS.get(run.fault, (None, None))
+    fault, counter = FAULTS.get(run.fault, (None, None))
     disturb = (lambda host: host.live.stall(_STALL)) if run.fault == "memory_stall" else None
     result = simulate_camera(system, setup, light, count=run.frames, follow=run.follow, fault=fault,
                              disturb=disturb, **common)
     row |= _frames(result, setup)
-    if tells:
-        told = tells in result.i2c_errors or result.report().get(tells, 0) > 0
-        return row | {"recovered": told and row["pixels_different"] == 0}
+    if counter:
+        reported = counter in result.i2c_errors or result.report().get(counter, 0) > 0
+        return row | {"recovered": reported and row["pixels_different"] == 0}
     return row | _predicted(run, system, setup, result)
 
 
 def _predicted(run, system, setup, result):
-    """What the planner says of a run without faults, beside what is measured of it."""
+    """The planner's figures for a run without faults."""
     descriptor, hardware, timing = system.descriptor, system.hardware, setup.timing
     memory, own = memory_at(run.memory, _CLOCK_MHZ), system.corrector.timing
     ratio = Fraction(_CLOCK_MHZ * 10**6, timing.pixel_clock_hz)
@@ -152,7 +152,7 @@ def _predicted(run, system, setup, result):
 
 
 def _readers(result, pixels):
-    """Figures of frames beside readers: each that was read whole was compared."""
+    """Figures of frames with readers: each that was read whole was compared."""
     whole = result.raw + result.corrected
     return {"frames": result.begun, "pixels_compared": whole * pixels,
             "pixels_different": result.torn * pixels, "frames_torn": result.torn,

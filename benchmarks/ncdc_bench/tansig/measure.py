@@ -58,10 +58,10 @@ def tansig_row(design, *, sampled=False, synthesis=True, progress=lambda step: N
     Returns
     -------
     dict
-        ``max_ulp`` and ``bound_ulp`` in units of 2**-``fraction_bits``; ``correctly_rounded`` the
-        share of results within half of that; ``mse`` of the real values, ``mse_ideal`` that of
-        ideal rounding; ``differences`` the results that are not the golden model's; the booleans
-        of :class:`ncdc_model.golden.tansig_accuracy.Accuracy`; ``latency`` in clocks.
+        ``max_ulp``, ``bound_ulp``: in units of 2**-``fraction_bits``. ``correctly_rounded``: share
+        of results within half of that. ``mse``: of the real values; ``mse_ideal``: of ideal
+        rounding. ``differences``: results that are not the golden model's. ``latency``: in clocks.
+        The booleans of :class:`ncdc_model.golden.tansig_accuracy.Accuracy`.
 
     Raises
     ------

@@ -19,8 +19,8 @@ def plot_tansig(folder, rows):
     ----------
     folder : Path
     rows : list of dict
-        Of :func:`ncdc_bench.tansig.measure.tansig_row`; those of ``mmhbc`` make Fig. 10. The others
-        are of the 20-bit golden model, which the rows compare with the Verilog.
+        Rows of :func:`ncdc_bench.tansig.measure.tansig_row`; those of ``mmhbc`` make Fig. 10. The
+        others are of the 20-bit golden model, which the rows compare with the Verilog.
 
     Raises
     ------
@@ -52,12 +52,12 @@ def _divided(n, design):
 def _mse(path, rows):
     figure = Figure(figsize=(6, 3.8), layout="constrained")
     axes = figure.subplots()
-    place = np.arange(len(rows))
+    position = np.arange(len(rows))
     for shift, key, name in ((-.2, "mse", "MMHBC and LVC"), (.2, "mse_ideal", "ideal rounding")):
-        bars = axes.bar(place + shift, [row[key] for row in rows], .4, label=name)
+        bars = axes.bar(position + shift, [row[key] for row in rows], .4, label=name)
         axes.bar_label(bars, fmt="%.2e", fontsize="x-small")
     axes.set(yscale="log", ylabel="mean squared error", xlabel="fraction bits",
-             title="Tan-sigmoid at fixed point (Fig. 10)", xticks=place)
+             title="Tan-sigmoid at fixed point (Fig. 10)", xticks=position)
     axes.set_xticklabels([row["fraction_bits"] for row in rows])
     axes.margins(y=.15)
     axes.legend()
@@ -105,7 +105,7 @@ def _error(path, n, error, unit):
 
 
 def _band(axes, n, error):
-    """Least and largest ``error`` in each of many intervals of n, both signs of it.
+    """Smallest and largest ``error`` in each of many intervals of n, both signs of it.
 
     ``n``, ``error``: of all positive n; the error is odd as the function is.
     """

@@ -14,7 +14,7 @@ from ncdc_spec.files import check_outputs
 __all__ = ["EXAMPLE", "HELP", "add_arguments", "goal_text", "run", "table"]
 
 HELP = ("correct whole frames with the Verilog of both fetchers on modelled memories: clocks and "
-        "bytes per pixel, beside what the planner predicts")
+        "bytes per pixel, and the planner's predictions")
 EXAMPLE = "ncdc bench throughput --quick"
 
 

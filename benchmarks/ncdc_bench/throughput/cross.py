@@ -29,7 +29,7 @@ _MEMORY = "ddr3"
 
 @dataclass(frozen=True)
 class Combination:
-    """What one corrector is built with.
+    """Parameters of one corrector.
 
     Parameters
     ----------
@@ -46,7 +46,7 @@ class Combination:
 
     @property
     def descriptor(self):
-        """Of a small lens, trained once for each interpolation."""
+        """The descriptor of a small lens, trained once for each interpolation."""
         lens = Lens(_DEGREES, _SIZE, interpolation=self.interpolation)
         return replace(trained(lens), nodes=self.nodes)
 
@@ -78,9 +78,9 @@ def cross_rows(combinations, progress=lambda combination: None):
     ------
     dict
         ``lanes``, ``nodes``, ``interpolation``, ``data_width``, ``split``, ``which`` ("planned",
-        "worst"), ``clocks_per_pixel``, ``predicted_clocks_per_pixel``, ``off`` (measured over
-        predicted, less one), ``misses``, ``misses_expected``, ``pixels_different``, ``holds``;
-        ``rejected``, a sentence, if the combination cannot be built, and nothing measured.
+        "worst"), ``clocks_per_pixel``, ``predicted_clocks_per_pixel``, ``misses``,
+        ``misses_expected``, ``pixels_different``, ``holds``. ``off``: measured over predicted,
+        less one. ``rejected``: a sentence if the combination cannot be built, without figures.
     """
     for each in combinations:
         show = progress(each)
@@ -107,7 +107,7 @@ def cross_rows(combinations, progress=lambda combination: None):
 
 
 def _compared(which, planned, simulation):
-    """What a row says beyond its settings."""
+    """Figures of a row, without its settings."""
     report = simulation.report()
     off = report["clocks"] / planned.clocks - 1
     wrong = report["pixels_different"]

@@ -34,7 +34,7 @@ class Lens:
     degrees : float
         Horizontal view.
     size : (int, int)
-        Of the distorted image in pixels; of the corrected one too, which a turn by 90 degrees
+        Size of the distorted image in pixels; of the corrected one too, which a turn by 90 degrees
         makes upright.
     rotation : float
         Degrees by which the corrected picture is turned.
@@ -86,8 +86,11 @@ class Lens:
 
 
 def trained(lens):
-    """The descriptor of a lens, of :data:`NEURONS` hidden neurons; trained once and kept with the
-    compiled simulations, until a source file or a library that it depends on changes."""
+    """The descriptor of a lens, with :data:`NEURONS` hidden neurons.
+
+    It is trained once and cached with the compiled simulations, until one of its source files or
+    libraries changes.
+    """
     def train(folder):
         pairs = training_grid(lens.back_map, lens.geometry)
         source = Source(pairs, lens.geometry, back_map=lens.back_map)

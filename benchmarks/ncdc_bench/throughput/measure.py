@@ -37,7 +37,7 @@ class Run:
     output : str
         "stream" or "memory".
     cache_bytes, strip : int, optional
-        Of the cache; planned if absent.
+        Settings of the cache; planned if absent.
     lanes : int
         Pixels per clock.
     """
@@ -57,13 +57,13 @@ class Run:
 
     @property
     def hardware(self):
-        """What runs it, its tile cache left open."""
+        """The hardware of the run, without the choice of its tile cache."""
         return Hardware(data_width=self.data_width, output=self.output, fetcher=self.fetch,
                         lanes=self.lanes)
 
     @property
     def planned_memory(self):
-        """The memory that the planner is told: of LiteDRAM's controller it knows no clocks."""
+        """The memory as given to the planner, which has no model of LiteDRAM's controller."""
         return "sdram" if self.memory in LITEDRAM else self.memory
 
     @property
@@ -220,7 +220,7 @@ GOALS = (
 def goal_rows(rows):
     """(name, worst figure, limit, whether it holds) of each of :data:`GOALS`.
 
-    Of a goal that none of ``rows`` measures, figure and whether it holds are None.
+    If none of ``rows`` measures a goal, its figure and whether it holds are None.
     """
     found = []
     for name, which, figure, limit in GOALS:

@@ -19,7 +19,7 @@ def plot_throughput(folder, rows):
     ----------
     folder : Path
     rows : list of dict
-        Of :func:`ncdc_bench.throughput.measure.measure`.
+        Rows of :func:`ncdc_bench.throughput.measure.measure`.
 
     Raises
     ------
@@ -27,17 +27,17 @@ def plot_throughput(folder, rows):
         If the file cannot be written.
     """
     figure = Figure(figsize=(9, 1.2 + .28 * len(rows)), layout="constrained")
-    place = range(len(rows))
+    positions = range(len(rows))
     for axes, (key, title) in zip(figure.subplots(1, 2, sharey=True), _PANELS):
         values = [row[key] for row in rows]
-        bars = axes.barh(place, values, color=[_COLOURS[row["fetch"]] for row in rows])
+        bars = axes.barh(positions, values, color=[_COLOURS[row["fetch"]] for row in rows])
         axes.bar_label(bars, fmt="%.4g", fontsize="x-small", padding=2)
         if key == "clocks_per_pixel":
-            known = [k for k in place if rows[k]["predicted_clocks_per_pixel"]]
+            known = [k for k in positions if rows[k]["predicted_clocks_per_pixel"]]
             axes.plot([rows[k]["predicted_clocks_per_pixel"] for k in known], known, "k|",
                       label="predicted")
             axes.legend(fontsize="x-small")
-        axes.set(xscale="log", xlabel=title, yticks=list(place), xlim=(.2, 3 * max(values)))
+        axes.set(xscale="log", xlabel=title, yticks=list(positions), xlim=(.2, 3 * max(values)))
         axes.xaxis.set_major_formatter("{x:g}")
         axes.xaxis.set_minor_formatter(NullFormatter())
         axes.set_yticklabels([_label(row) for row in rows], fontsize="x-small")

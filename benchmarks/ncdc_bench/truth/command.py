@@ -29,8 +29,11 @@ def add_arguments(parser):
 
 
 def run(args):
-    """Render, detect, train, compare; 1 if a relief was found on the flat page, a point is false,
-    or the reported maximum is less than the true one."""
+    """Render, detect, train, compare.
+
+    Returns 1 if a relief was found on the flat page, a point is false, or the reported maximum is
+    less than the true one.
+    """
     if not 1 <= args.neurons <= MAX_NEURONS:
         raise InputError(f"{args.neurons} hidden neurons are asked for, the limits are 1 and "
                          f"{MAX_NEURONS}")

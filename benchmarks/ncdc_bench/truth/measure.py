@@ -1,4 +1,4 @@
-"""What calibration and training make of a photographed page, compared with the true lens."""
+"""Calibration and training on a photographed page, compared with the true lens."""
 
 import tempfile
 from dataclasses import dataclass
@@ -33,8 +33,10 @@ class Dots:
 
 
 def page_of(lens, number):
-    """The :class:`Page` in front of ``lens`` on photo ``number``: it fills the picture, or its 28
-    columns reach from side to side where the lens sees too far."""
+    """The :class:`Page` in front of ``lens`` on photo ``number``.
+
+    It fills the picture; with a very wide lens its 28 columns only reach from side to side.
+    """
     edge = np.hypot(*lens.angles_at(np.array([[0.0, (SIZE[1] - 1) / 2]])).T).item()
     if np.degrees(edge) < _WIDE:
         return Page(*_FILLED, _COLUMNS / 2 / np.tan(edge), POSES[number])
@@ -76,8 +78,8 @@ def true_errors(lens, descriptor):
     """Root mean square and largest distance, in distorted pixels, of a descriptor's map from the
     true lens over its valid pixels.
 
-    A flat picture is one of many: the homography from corrected pixels to the true ideal plane is
-    chosen so that the squared distances are least.
+    A flat picture is known up to a homography. The one from corrected pixels to the true ideal
+    plane is chosen to minimise the squared distances.
     """
     width, height = descriptor.geometry.corrected
     valid = descriptor.valid.mask(width)

@@ -87,13 +87,13 @@ def _ink(inverse, page, angles):
 
 
 def _truth(lens, page):
-    """Where the centre of gravity of each dot's picture is, and which dots are whole."""
+    """Centres of gravity of the dots' pictures, and which dots are whole."""
     i, j = np.meshgrid(np.arange(page.columns), np.arange(page.rows))
     index = np.stack([i.ravel(), j.ravel()], axis=1)
     turn = 2 * np.pi * np.arange(_OUTLINE) / _OUTLINE
     ring = _RADIUS * np.stack([np.cos(turn), np.sin(turn)], axis=1)
-    places = (index[:, None] + ring).reshape(-1, 2)
-    rays = np.column_stack([places, np.ones(len(places))]) @ page.plane.T
+    points = (index[:, None] + ring).reshape(-1, 2)
+    rays = np.column_stack([points, np.ones(len(points))]) @ page.plane.T
     outline = lens.project(rays).reshape(len(index), -1, 2)
     whole = (((outline > 0) & (outline < np.array(SIZE) - 1)).all(axis=(1, 2))
              & (rays[:, 2].reshape(len(index), -1) > 0).all(axis=1))

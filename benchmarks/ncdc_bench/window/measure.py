@@ -15,16 +15,16 @@ _LAID_OUT = 10          # looks at events, after which a text that has changed h
 
 @dataclass
 class Stopwatch:
-    """What events took: wall time, and processor time of the thread, milliseconds."""
+    """Times of events: wall time, and processor time of the thread, milliseconds."""
     wall: list = field(default_factory=list)
     cpu: list = field(default_factory=list)
     slowest: str = ""       # by processor time: the wall's is whatever else the machine did
-    _most: float = 0.0
+    _max_cpu: float = 0.0
 
     def add(self, wall, cpu, name):
         """Count an event."""
-        if cpu > self._most:
-            self._most, self.slowest = cpu, name
+        if cpu > self._max_cpu:
+            self._max_cpu, self.slowest = cpu, name
         self.wall.append(wall)
         self.cpu.append(cpu)
 
@@ -54,7 +54,7 @@ def _application(watch):
 
 
 class _User:
-    """Somebody who uses the window; each step is timed by a stopwatch of its own."""
+    """A simulated user of the window; each step is timed by a stopwatch of its own."""
 
     def __init__(self, application, window, watch, folder):
         self._application, self._window, self._watch = application, window, watch
@@ -94,7 +94,7 @@ def measure(urls, folder=None, seconds=4.0, step=lambda text: None):
     folder : Path, optional
         For screenshots.
     seconds : float
-        Of each step.
+        Duration of each step.
     """
     os.environ.setdefault("QT_QPA_PLATFORM", "offscreen")
     from PySide6.QtCore import QSettings

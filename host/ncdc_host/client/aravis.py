@@ -11,7 +11,7 @@ import time
 from pathlib import Path
 
 from ncdc_host.client.device import Device, FeatureInfo, FrameStream, Rate, Statistics, as_kind
-from ncdc_host.client.errors import DeviceError, DeviceGone, NoFrame, Refused
+from ncdc_host.client.errors import DeviceError, DeviceGone, NoFrame, Rejected
 from ncdc_host.client.found import Found
 from ncdc_host.client.frame import Frame
 from ncdc_host.client.lens import LensLoader
@@ -42,7 +42,7 @@ class _Bridge:
                               "python3-gi") from error
 
     def call(self, name, *arguments):
-        """The answer's value; with the bytes behind it if there are any."""
+        """The answer's value; with the bytes after it if there are any."""
         with self._lock:
             try:
                 self._process.stdin.write(json.dumps([name, *arguments]).encode() + b"\n")
@@ -57,7 +57,7 @@ class _Bridge:
             raise DeviceGone("the process of Aravis has ended")
         answer = json.loads(line)
         if "error" in answer:
-            raise Refused(answer["error"])
+            raise Rejected(answer["error"])
         if "bytes" in answer:
             return answer["ok"], self._process.stdout.read(answer["bytes"])
         return answer["ok"]
@@ -101,8 +101,8 @@ class AravisDevice(Device):
         try:
             found = self._bridge.call("open", address, monitor)
             if not monitor and not self._bridge.call("controls"):
-                raise Refused(f"{address} cannot be opened: another user has control")
-        except Refused as error:
+                raise Rejected(f"{address} cannot be opened: another user has control")
+        except Rejected as error:
             self._bridge.close()
             if "not found" in str(error).lower() or "can't connect" in str(error).lower():
                 raise DeviceGone(f"no device answers at {address}") from error
@@ -138,12 +138,12 @@ class AravisDevice(Device):
     def set(self, name, value):
         info = self.info(name)
         if not info.writable:
-            raise Refused(f"{name} cannot be written now: it is read-only or locked, or this user "
+            raise Rejected(f"{name} cannot be written now: it is read-only or locked, or this user "
                           "has no control")
         try:
             return self._bridge.call("set", name, info.kind, as_kind(info, value))
-        except Refused as error:
-            raise Refused(f"{name} is refused: {error}") from error
+        except Rejected as error:
+            raise Rejected(f"{name} is rejected: {error}") from error
 
     def execute(self, name):
         self._kind(name)
@@ -197,7 +197,7 @@ class AravisStream(FrameStream):
             got = self._bridge.call("next", min(left, _SLICE))
             if got is None:
                 continue
-            if isinstance(got[0], bool):        # not whole: no bytes behind it
+            if isinstance(got[0], bool):        # not whole: no bytes after it
                 self._broken += 1
                 continue
             (_, number, time_ns, code, width, height), data = got

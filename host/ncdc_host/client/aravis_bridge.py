@@ -1,8 +1,8 @@
 """Runs under the system's Python, which has Debian's Aravis, and serves it to the client's.
 
-Each request is a line of JSON, [name, arguments...]; each answer a line of JSON, {"ok": value} or
-{"error": text}; behind one with "bytes" that many bytes of a picture follow. Imports nothing of
-this project: the system's Python does not know it.
+Each request is a line of JSON, [name, arguments...]. Each answer is a line of JSON, {"ok": value}
+or {"error": text}; one with "bytes" is followed by that many bytes of a picture. The module imports
+nothing of this project, which the system's Python does not have.
 """
 
 import json

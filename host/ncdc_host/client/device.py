@@ -1,4 +1,4 @@
-"""What every transport offers: a device with features, and a stream of its frames."""
+"""The interface of every transport: a device with features, and a stream of its frames."""
 
 import time
 from abc import ABC, abstractmethod
@@ -29,7 +29,7 @@ class FeatureInfo:
     choices : tuple of str
         Entries of an enumeration.
     text : str
-        What it is, a sentence.
+        A sentence that describes it.
     category : str
     """
     name: str
@@ -55,7 +55,7 @@ class FeatureInfo:
 
 @dataclass(frozen=True)
 class Statistics:
-    """What a stream has counted so far.
+    """Counters of a stream.
 
     Parameters
     ----------
@@ -64,7 +64,7 @@ class Statistics:
     lost : int
         Frames that were sent and did not arrive whole, resent packets included; 0 over TCP.
     skipped : int
-        Frames that nobody took in time; over TCP, that the device made between two that were
+        Frames that no caller took in time; over TCP, frames of the device between two that were
         asked for.
     resent : int
         Packets that arrived at the second try; 0 over TCP, which does so by itself.
@@ -175,7 +175,7 @@ class Device(ABC):
         ------
         BadValue
             If the feature cannot have the value.
-        Refused
+        Rejected
             If the device does not take it: the feature is locked while pictures stream, is
             read-only, or another user has control.
         """
@@ -203,7 +203,7 @@ class Device(ABC):
 
         Raises
         ------
-        Refused
+        Rejected
             If its sizes, Bayer pattern, fill, nodes or interpolation differ from the device's, or
             it has more neurons.
         DeviceError
@@ -217,7 +217,7 @@ class Device(ABC):
         Raises
         ------
         DeviceError
-            If the transport cannot tell: Table I does not reach the corrector's registers.
+            If the transport cannot read them: Table I does not reach the corrector's registers.
         """
         raise DeviceError(f"{self.url} takes no lens: only GVCP reaches the corrector's registers")
 

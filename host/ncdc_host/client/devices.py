@@ -11,7 +11,7 @@ SCHEMES = {
     "gige": "GVCP and GVSP over UDP, by viva-genicam",
     "aravis": "the same by Aravis, of the system's own Python",
     "tcp": "Table I and II of the paper over TCP",
-    "usb": "the same over USB, behind an FT232H, by pyftdi: usb://232h, or usb://SERIAL",
+    "usb": "the same over USB, through an FT232H, by pyftdi: usb://232h, or usb://SERIAL",
 }
 
 
@@ -43,15 +43,15 @@ def discover(seconds=1.0, interface=None, back_end="gige"):
 def open_device(url, monitor=False):
     """Open the device of a ``url``: SCHEME://ADDRESS[:PORT], a scheme of :data:`SCHEMES`.
 
-    An address alone is taken for ``gige://``. ``monitor``: read and watch only, beside the user
-    who has control; over TCP, where all users are equal, writes are refused by this client.
+    An address alone is taken for ``gige://``. ``monitor``: read and watch only, next to the
+    user who has control. Over TCP all users are equal, and this client rejects the writes.
 
     Raises
     ------
     BadUrl
         If the URL is none.
     DeviceError
-        If nobody answers, or another user has control.
+        If no device answers, or another user has control.
     """
     scheme, address, port = _parts(url)
     if scheme == "tcp":

@@ -1,13 +1,13 @@
-"""What can go wrong between client and device, each as one sentence for people."""
+"""Errors between client and device, each with one sentence for people as its message."""
 
 from ncdc_spec.errors import InputError
 
-__all__ = ["BadUrl", "BadValue", "DeviceError", "DeviceGone", "NoFrame", "Refused",
+__all__ = ["BadUrl", "BadValue", "DeviceError", "DeviceGone", "NoFrame", "Rejected",
            "printable"]
 
 
 def printable(text):
-    """``text`` of a device without what would change a terminal: such characters as escapes."""
+    """``text`` of a device with the characters that could control a terminal as escapes."""
     return "".join(one if one.isprintable() else one.encode("unicode_escape", "replace").decode()
                    for one in str(text))
 
@@ -27,12 +27,12 @@ class DeviceGone(DeviceError):
     """The device does not answer any more, or never did."""
 
 
-class Refused(DeviceError):
-    """The device refuses: a value outside the limits, a feature that is locked while pictures
+class Rejected(DeviceError):
+    """The device rejects a value outside the limits, a feature that is locked while pictures
     stream, or control that another user holds."""
 
 
-class BadValue(Refused, InputError):
+class BadValue(Rejected, InputError):
     """A value that the feature cannot have; nothing was sent."""
 
 

@@ -1,4 +1,4 @@
-"""What a discovery tells of a device."""
+"""A device as a discovery reports it."""
 
 from dataclasses import dataclass
 
@@ -19,7 +19,7 @@ class Found:
         Its IPv4 address.
     mac, vendor, model : str
     serial : str
-        Empty if the back end does not tell.
+        Empty if the back end does not report it.
 
     Texts of the device have escapes for what would change a terminal.
     """

@@ -4,7 +4,7 @@ import struct
 import time
 from dataclasses import dataclass
 
-from ncdc_host.client.errors import DeviceError, Refused
+from ncdc_host.client.errors import DeviceError, Rejected
 from ncdc_spec.formats import MAX_NEURONS, Formats
 from ncdc_spec.geometry import BAYER_PHASE, MONO
 from ncdc_spec.protocols.gvcp import CORRECTOR_BASE
@@ -35,12 +35,12 @@ _FIXED = ("CORRECTED_WIDTH", "CORRECTED_HEIGHT", "DISTORTED_WIDTH", "DISTORTED_H
 
 @dataclass(frozen=True)
 class LensLimits:
-    """What a lens must be like to be loaded into a device.
+    """Requirements of a device on the lenses that it can load.
 
     Parameters
     ----------
     neurons : int
-        Most hidden neurons.
+        Maximum number of hidden neurons.
     corrected, distorted : (int, int)
         Width and height.
     bayer : str
@@ -88,20 +88,20 @@ class LensLoader:
             raise DeviceError(f"{self._device.url} has no corrector")
         neurons = self._read(table["NEURONS"].address)
         if descriptor.hidden_neurons > neurons:
-            raise Refused(f"the lens has {descriptor.hidden_neurons} hidden neurons, the device "
+            raise Rejected(f"the lens has {descriptor.hidden_neurons} hidden neurons, the device "
                           f"has {neurons}")
         if descriptor.nodes != self._nodes():
-            raise Refused(f"the lens has nodes {descriptor.nodes} pixels apart, the device "
+            raise Rejected(f"the lens has nodes {descriptor.nodes} pixels apart, the device "
                           f"{self._nodes()}")
         own, interpolation = self._interpolation(), descriptor.geometry.interpolation.name
         if interpolation != own:
-            raise Refused(f"the lens is for the interpolation {interpolation}, the device has "
+            raise Rejected(f"the lens is for the interpolation {interpolation}, the device has "
                           f"{own}")
         values = host_values(descriptor)
         for name in _FIXED:
             present = self._read(table[name].address)
             if present != values[name]:
-                raise Refused(f"the lens has {name} {values[name]}, the device has {present}")
+                raise Rejected(f"the lens has {name} {values[name]}, the device has {present}")
         # Neurons that the lens does without have no weight.
         words = {r.address: values.get(r.name, 0) & 0xFFFFFFFF
                  for r in network_registers(neurons, descriptor.formats)}
@@ -118,7 +118,7 @@ class LensLoader:
                 raise DeviceError(f"the lens is not active after {_SECONDS} s")
             time.sleep(0.05)
         if status & STATUS_REFUSED:
-            raise Refused(f"{self._device.url} refuses the lens")
+            raise Rejected(f"{self._device.url} rejects the lens")
 
     def _nodes(self):
         """Distance of the device's nodes; without nodes it has no register of them."""
@@ -130,7 +130,7 @@ class LensLoader:
         for name, bit in INTERPOLATION_BITS.items():
             if word & bit:
                 return name
-        raise DeviceError(f"{self._device.url} does not tell which interpolation it has: "
+        raise DeviceError(f"{self._device.url} does not report its interpolation: "
                           f"CAPABILITIES reads {word:#010x}")
 
     def _read(self, address):

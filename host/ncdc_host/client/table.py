@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 
 from ncdc_host.client.device import Device, FeatureInfo, FrameStream, Rate, Statistics, as_kind
-from ncdc_host.client.errors import DeviceError, DeviceGone, NoFrame, Refused
+from ncdc_host.client.errors import DeviceError, DeviceGone, NoFrame, Rejected
 from ncdc_host.client.frame import Frame
 from ncdc_spec.errors import InputError
 from ncdc_spec.protocols.features import FEATURES, feature, system_word
@@ -35,7 +35,7 @@ class Connection:
     Raises
     ------
     DeviceGone
-        If nobody answers there.
+        If no device answers there.
     """
     def __init__(self, address, port, timeout=_SECONDS, transport=None):
         self.name = f"tcp://{address}:{port}"
@@ -96,10 +96,10 @@ class Connection:
         with self._lock:
             self._send(REQUEST.pack(code, address, value))
             answer = self._receive(REQUEST.size, time.monotonic() + self._timeout)
-        answered, place, value = REQUEST.unpack(answer)
-        if (answered, place) != (code, address):
+        answered, echoed, value = REQUEST.unpack(answer)
+        if (answered, echoed) != (code, address):
             self.close()
-            raise DeviceError(f"{self.name} answered 0x{answered:02X} 0x{place:04X} to "
+            raise DeviceError(f"{self.name} answered 0x{answered:02X} 0x{echoed:04X} to "
                               f"0x{code:02X} 0x{address:04X}")
         return value
 
@@ -223,7 +223,7 @@ class TableDevice(Device):
         with self._lock:
             one, info = self._known(name), self.info(name)
             if not info.writable:
-                raise Refused(_why_not(one, info, self.access))
+                raise Rejected(_why_not(one, info, self.access))
             value = as_kind(info, value)
             register = self._as_register(one, value)
             word, words = one.word_of(register), []
@@ -236,7 +236,7 @@ class TableDevice(Device):
                 words.append((part, self._word(self._connection.write, address, part)))
             for sent, answered in words:
                 if sent != answered:
-                    raise Refused(f"{name} is refused by {self.url}: {value} was written, "
+                    raise Rejected(f"{name} is rejected by {self.url}: {value} was written, "
                                   f"{self._value(one)} is read back")
             return self._value(one)
 
@@ -262,7 +262,7 @@ class TableDevice(Device):
 
 def _why_not(one, info, access):
     if access != "control":
-        return f"{one.name} is refused: this user is a monitor"
+        return f"{one.name} is rejected: this user is a monitor"
     if one.access != "rw":
         return f"{one.name} is read-only"
     return f"{one.name} is locked while pictures stream over GVSP"
@@ -287,7 +287,7 @@ class TableStream(FrameStream):
             package = self._connection.picture(left)
             upper, lower = map(self._connection.read, _NUMBER)
             number = upper << 16 | lower
-            # Over USB a device does not say how many frames a second it has.
+            # Over USB a device does not say how many frames per second it has.
             tenths = self._connection.read(system_word("FRAME_RATE")) or _UNKNOWN_TENTHS
             if number == self._number:
                 self._due = time.monotonic() + 1 / tenths       # seen already: a bit too early

@@ -1,4 +1,4 @@
-"""Devices over USB, behind an FT232H: Table I and II, and registers, by pyftdi."""
+"""Devices over USB through an FT232H: Table I and II, and registers, by pyftdi."""
 
 import time
 
@@ -18,7 +18,7 @@ class UsbPort:
     Parameters
     ----------
     url : str, optional
-        Of pyftdi, "ftdi://ftdi:232h/1" if absent.
+        URL of pyftdi, "ftdi://ftdi:232h/1" if absent.
     device : usb.core.Device, optional
         Instead of ``url``.
     timeout : float
@@ -125,7 +125,7 @@ class UsbDevice(TableDevice):
 
 
 class _UsbStream(TableStream):
-    """Pictures over a connection that stays open behind them."""
+    """Pictures over a connection that stays open after them."""
 
     def close(self):
         pass

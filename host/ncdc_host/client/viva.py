@@ -6,7 +6,7 @@ import threading
 import time
 
 from ncdc_host.client.device import Device, FeatureInfo, FrameStream, Rate, Statistics, as_kind
-from ncdc_host.client.errors import DeviceError, DeviceGone, NoFrame, Refused
+from ncdc_host.client.errors import DeviceError, DeviceGone, NoFrame, Rejected
 from ncdc_host.client.found import Found
 from ncdc_host.client.frame import Frame
 from ncdc_host.client.gvcp_questions import Questions
@@ -21,7 +21,7 @@ __all__ = ["VivaDevice", "discover_viva"]
 _KINDS = {"Integer": "integer", "Float": "float", "Boolean": "boolean", "Command": "command",
           "Enumeration": "enumeration", "StringReg": "text"}
 _BLOCKS = 0xFFFF        # block numbers run from 1 to this and begin again
-# What viva-genicam says when nobody answers, or the machine there that nobody listens.
+# viva-genicam's messages if no device answers, or the machine has no listener.
 _SILENT = ("timeout", "timed out", "os error")
 _ITSELF = "127.0.0.1"   # where viva-genicam asks for a device that was found
 _INTRODUCED_MS = 100    # that it listens there
@@ -57,23 +57,23 @@ def _sentence(error):
 def _introduced(viva, address, acknowledge):
     """viva-genicam's own description of a device whose discovery ``acknowledge`` is known.
 
-    It describes what answers a broadcast and nothing else, and a broadcast passes no router: here
-    this machine answers its question to itself, with the device's bytes. Of several clients that
-    do so at once, one receives all questions: the others try again.
+    It describes only devices that answer a broadcast, and a broadcast passes no router. Here this
+    machine answers its own broadcast with the device's bytes. If several clients do so at once,
+    one receives all broadcasts and the others try again.
     """
-    # A device behind a router that translates addresses has another one itself.
+    # A device behind a router that translates addresses has another address itself.
     at = gvcp.place("IpAddress").address
     acknowledge = acknowledge[:at] + socket.inet_aton(address) + acknowledge[at + 4:]
     for _ in range(_TRIES):
         with _INTRODUCING:
-            found = _told(viva, address, acknowledge)
+            found = _broadcast(viva, address, acknowledge)
         if found is not None:
             return found
         time.sleep(random.uniform(0, 2 * _INTRODUCED_MS / 1000))
     raise DeviceGone(f"viva-genicam does not find the device at {address}")
 
 
-def _told(viva, address, acknowledge):
+def _broadcast(viva, address, acknowledge):
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as one:
         one.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
         try:
@@ -117,7 +117,7 @@ class VivaDevice(Device):
             found = _introduced(viva, address, acknowledge)
             self._camera = viva.connect_gige(found, interface, monitor)
         except viva.GenicamError as error:
-            raise Refused(f"{address} cannot be opened, perhaps another user has control: "
+            raise Rejected(f"{address} cannot be opened, perhaps another user has control: "
                           f"{_sentence(error)}") from error
         self._lock = threading.RLock()
         self._categories = {name: category
@@ -138,7 +138,7 @@ class VivaDevice(Device):
             text = _sentence(error)
             if any(sign in text.lower() for sign in _SILENT):
                 raise DeviceGone(f"{self.url} does not answer any more: {text}") from error
-            raise Refused(f"{name} is refused: {text}") from error
+            raise Rejected(f"{name} is rejected: {text}") from error
 
     @property
     def access(self):
@@ -173,14 +173,14 @@ class VivaDevice(Device):
     def set(self, name, value):
         info = self.info(name)
         if not info.writable:
-            raise Refused(_why_not(info, self.access))
+            raise Rejected(_why_not(info, self.access))
         value = as_kind(info, value)
         camera = self._camera
         write = {"integer": camera.set_integer, "float": camera.set_float,
                  "boolean": camera.set_bool, "enumeration": camera.set_enum,
                  "text": camera.set_string}.get(info.kind)
         if write is None:
-            raise Refused(f"{name} is a command: execute it")
+            raise Rejected(f"{name} is a command: execute it")
         self._call(name, lambda: write(name, value))
         return self.get(name)
 
@@ -215,9 +215,9 @@ class VivaDevice(Device):
 
 def _why_not(info, access):
     if access == "monitor":
-        return f"{info.name} is refused: this user is a monitor, another one has control"
+        return f"{info.name} is rejected: this user is a monitor, another one has control"
     if access == "lost":
-        return f"{info.name} is refused: control is lost"
+        return f"{info.name} is rejected: control is lost"
     return (f"{info.name} cannot be written now: it is read-only, automatic, or locked "
             "while pictures stream")
 

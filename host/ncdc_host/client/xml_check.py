@@ -11,9 +11,9 @@ __all__ = ["XML_BYTES_MAX", "check_xml", "unpacked"]
 
 XML_BYTES_MAX = 16 << 20        # of the text, and of an archive
 _FORMULA_MAX = 2000             # characters
-_DEPTH_MAX = 100                # elements in each other; nodes that follow from each other
-_READS_MAX = 1_000_000          # nodes that one value follows from, each as often as it is read
-# References that no value follows from.
+_DEPTH_MAX = 100                # nesting of elements; length of a chain of nodes
+_READS_MAX = 1_000_000          # nodes that one value depends on, each as often as it is read
+# References that no value depends on.
 _NO_VALUE = {"pMin", "pMax", "pInc", "pSelected", "pInvalidator", "pAlias", "pCastAlias", "pError"}
 
 
@@ -51,12 +51,12 @@ def check_xml(data):
 
 
 class _Reader:
-    """Collects which node's value follows from which.
+    """Collects which node's value depends on which.
 
     Attributes
     ----------
     used : dict of str to list of str
-        Names of the nodes that each node's value follows from.
+        Names of the nodes that each node's value depends on.
     """
     def __init__(self):
         self.used = {}

@@ -29,7 +29,7 @@ class Frame:
     Parameters
     ----------
     number : int
-        Of the frame since reset.
+        Number of the frame since reset.
     time_ns : int
         From reset to the beginning of the exposure.
     pixel_format : PixelFormat
@@ -64,7 +64,7 @@ class Picture:
 
 
 class Camera:
-    """Makes frames when somebody asks, at the times of the frame rate.
+    """Makes frames on request, at the times of the frame rate.
 
     Parameters
     ----------
@@ -116,7 +116,7 @@ class Camera:
             self._anchor = (number, now, tenths)
 
     def replace_lens(self, number, correction):
-        """Put another correction in the place of a lens; frames begun before keep the old one."""
+        """Replace the correction of a lens; frames begun before keep the old one."""
         with self._registers.lock:
             self.corrections[number] = correction
             self._changed()

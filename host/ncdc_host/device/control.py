@@ -27,7 +27,7 @@ class _Status(Exception):
 
 
 class Identity:
-    """What a device says of itself.
+    """Identity of a device: its names and addresses.
 
     Parameters
     ----------
@@ -36,7 +36,7 @@ class Identity:
     serial : str
         Up to 15 characters.
     mask : str
-        Of its net.
+        Mask of its net.
     """
     def __init__(self, address, serial, version, mask="255.255.255.0"):
         number = int(IPv4Address(address))
@@ -79,8 +79,8 @@ class ControlAgent:
             self._words[gvcp.place(name).address] = value
         url = f"Local:{gvcp.XML_NAME};{gvcp.XML_BASE:X};{len(genicam_xml()):X}"
         for name, text in {**identity.texts, "FirstUrl": url}.items():
-            place = gvcp.place(name)
-            self._texts[place.address] = text.encode().ljust(place.length, b"\0")
+            register = gvcp.place(name)
+            self._texts[register.address] = text.encode().ljust(register.length, b"\0")
         self._features = {one.address: one for one in FEATURES if one.address >= gvcp.FEATURE_BASE}
         self._writable = {place.address: place.name for place in gvcp.BOOTSTRAP
                           if place.access == "rw"}
@@ -103,8 +103,11 @@ class ControlAgent:
         return next(iter(self.answers(data, peer, now)[-1:]), None)
 
     def answers(self, data, peer, now=None):
-        """All that a datagram of ``peer`` is answered, in order: PENDING_ACK, if its command needs
-        the sensor's bus and the controller that sent it understands that, and the answer."""
+        """All answers to a datagram of ``peer``, in order.
+
+        PENDING_ACK comes first if the command needs the sensor's bus and its sender is a controller
+        that understands it.
+        """
         command = gvcp.parse_command(data)
         if command is None:
             return []
@@ -118,9 +121,9 @@ class ControlAgent:
                 self._heard = now
             if answer is None:
                 return []
-            told = (slow and peer == self.controller
-                    and self._words[gvcp.place("Configuration").address])
-            return [gvcp.pending_acknowledge(command), answer] if told else [answer]
+            pending = (slow and peer == self.controller
+                       and self._words[gvcp.place("Configuration").address])
+            return [gvcp.pending_acknowledge(command), answer] if pending else [answer]
 
     def _answer(self, command, peer):
         action = self._commands.get(command.code)
@@ -388,7 +391,7 @@ class ControlAgent:
         if self._acquiring:
             return
         if receiver is None:
-            raise Refused("locked")     # nobody to send to
+            raise Refused("locked")     # no receiver
         self._acquiring = self._registers.streaming = True
         self._stream.start(receiver, single=self._mode == 1, done=self._ended,
                            triggered=self._trigger == 1)

@@ -1,8 +1,8 @@
 """The golden model's correction for frame after frame: the same integers, faster.
 
-The colours of a place between the samples depend on the frame alone: they are computed once for
-each frame. What depends on the lens alone, each pixel's place and fractions, is computed once for
-each lens. The sums are exact: the golden model adds the same products in another order.
+The colours between the samples depend on the frame alone, and are computed once for each frame.
+Each pixel's address and fractions depend on the lens alone, and are computed once for each lens.
+The sums are exact: the golden model adds the same products in another order.
 """
 
 import numpy as np
@@ -39,8 +39,8 @@ class Correction:
         margin = geometry.interpolation.margin
         self._row = geometry.distorted_width + 2 * margin - geometry.interpolation.window + 2
         bands = [band[1:] for band in window_bands(descriptor)]
-        places = [y0 * self._row + x0 for x0, y0, *_ in bands]
-        self._place = np.concatenate(places).ravel().astype(np.int32)
+        addresses = [y0 * self._row + x0 for x0, y0, *_ in bands]
+        self._address = np.concatenate(addresses).ravel().astype(np.int32)
         self._fx, self._fy = (np.concatenate([band[k] for band in bands]).ravel().astype(np.uint16)
                               for k in (2, 3))
         self.blank = ~np.concatenate([band[-1] for band in bands])
@@ -56,7 +56,7 @@ class Correction:
         geometry = self.descriptor.geometry
         check_raw(raw, geometry)
         colours = self._colours(raw).reshape(-1, 3)
-        picture = np.empty((len(self._place), 3), np.uint8)
+        picture = np.empty((len(self._address), 3), np.uint8)
         for first in range(0, len(picture), _PIXELS):
             part = slice(first, first + _PIXELS)
             self._interpolate(colours, part, picture[part])
@@ -65,7 +65,7 @@ class Correction:
         return picture
 
     def _colours(self, raw):
-        """Colours of every place, by sums of the samples around it."""
+        """Colours between the samples at every address, by sums of the samples around it."""
         window = self._kernels.shape[1]
         # Samples outside the frame are mirrored, as the golden model mirrors them.
         framed = np.pad(raw, self.descriptor.geometry.interpolation.margin,
@@ -83,10 +83,10 @@ class Correction:
 
     def _interpolate(self, colours, part, picture):
         """Write the pixels of a ``part`` to ``picture``."""
-        place = self._place[part]
+        address = self._address[part]
         fx, fy = (fraction[part, None].astype(self._type) for fraction in (self._fx, self._fy))
         upper, lower = (
-            (self._one - fx) * colours[place + below] + fx * colours[place + below + 1]
+            (self._one - fx) * colours[address + below] + fx * colours[address + below + 1]
             for below in (0, self._row))
         total = (self._one - fy) * upper + fy * lower
         total += 1 << (self._shift - 1)
@@ -95,10 +95,9 @@ class Correction:
 
 
 def _coefficients(geometry):
-    """Weights of the samples in the colours of a place: (parity, row, column, colour), by the
-    decoder of the golden model.
+    """Weights of the samples in the colours between them, by the golden model's decoder.
 
-    ``parity``: of column and row of the place, in bits 0 and 1.
+    Shape (parity, row, column, colour); ``parity``: of column and row, in bits 0 and 1.
     """
     window = geometry.interpolation.window
     unit = np.eye(window * window, dtype=np.int64).reshape(-1, window, window)

@@ -30,7 +30,7 @@ _DATAGRAM = 2048        # bytes; a longer one is no GVCP command
 
 @dataclass(frozen=True)
 class DeviceOptions:
-    """How a device is emulated.
+    """Options of an emulated device.
 
     Parameters
     ----------
@@ -46,7 +46,7 @@ class DeviceOptions:
     noise : float
         Read noise, grey levels, 0 to 50.
     tcp_port : int
-        Of Table I; 0: a free one.
+        Port of Table I; 0: a free one.
     field : str
         Part of the sensor that raw frames show, as of
         :func:`ncdc_spec.sensors.framing.setup_around`; None: the middle, pixel by pixel.
@@ -116,7 +116,7 @@ class EmulatedDevice:
     Parameters
     ----------
     corrections : list of Correction
-        Of :func:`lens_corrections`; several devices may share them.
+        Result of :func:`lens_corrections`; several devices may share it.
     options : DeviceOptions
     image : ndarray, optional
         Photo that its camera looks at; the built-in scene in motion if absent.

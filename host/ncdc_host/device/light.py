@@ -1,4 +1,4 @@
-"""What falls on the emulated sensor: a photo, or the built-in scene in motion."""
+"""Light on the emulated sensor: a photo, or the built-in scene in motion."""
 
 import cv2
 import numpy as np
@@ -120,7 +120,7 @@ def _inverse(descriptor):
     if outside.any():
         nearest = cv2.distanceTransformWithLabels(
             outside.astype(np.uint8), cv2.DIST_L2, 5, labelType=cv2.DIST_LABEL_PIXEL)[1]
-        places = np.zeros((nearest.max() + 1, 2))
-        places[nearest[~outside]] = found[~outside]
-        found[outside] = places[nearest[outside]]
+        sources = np.zeros((nearest.max() + 1, 2))
+        sources[nearest[~outside]] = found[~outside]
+        found[outside] = sources[nearest[outside]]
     return tuple(np.ascontiguousarray(found[..., k], np.float32) for k in range(2))

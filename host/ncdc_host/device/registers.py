@@ -34,8 +34,10 @@ _AUTOMATIC = {address: one.locked_by for one in FEATURES if one.locked_by for ad
 
 
 def _framing(geometry, field):
-    """What is asked of an MT9P031, and the words of the page on that. A picture that is larger
-    than the sensor is emulated all the same, if no part of the sensor is named: of none."""
+    """Settings of an MT9P031, and the words of the page that describe them.
+
+    A picture larger than the sensor is emulated too, without a sensor, if no field is named.
+    """
     try:
         plan, crop = setup_around(sensor.SENSOR.name, geometry, field=field, clock_hz=_CLOCK_HZ)
     except InputError:
@@ -87,7 +89,7 @@ class View:
 
 @dataclass(frozen=True)
 class Settings:
-    """All that a frame depends on, as it was when the frame began."""
+    """Settings of a frame, as they were when it began."""
     view: View
     lens: int
     exposure_ns: int
@@ -98,12 +100,12 @@ class Settings:
 
 
 class Registers:
-    """The words, under one lock; every write is checked, or refused as a whole.
+    """The words, under one lock; every write is checked, and applied or rejected as a whole.
 
     Parameters
     ----------
     geometry : Geometry
-        Of every lens of the device.
+        Geometry of every lens of the device.
     lenses : int
     rate_tenths : int
         Frames per second after reset, tenths.
@@ -263,7 +265,7 @@ class Registers:
         return {system_word(name): value for name, value in values.items()}
 
     def _window(self):
-        """The sensor's window registers, which follow from the picture."""
+        """The sensor's window registers, computed from the picture."""
         view = self._view
         raw = view.pixel_format.raw
         width, height = (view.width, view.height) if raw else self._geometry.distorted

@@ -17,7 +17,7 @@ _MODES = {choice.name: choice.word for choice in TEST_PATTERNS}
 
 @dataclass(frozen=True)
 class Exposure:
-    """What the sensor does with light.
+    """Settings of the sensor that change a frame.
 
     Parameters
     ----------

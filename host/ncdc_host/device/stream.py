@@ -12,16 +12,16 @@ from ncdc_spec.protocols.gvcp import PACKET_UNAVAILABLE
 
 __all__ = ["Receiver", "Stream"]
 
-_KEPT = 16                      # blocks that can be sent again: 0.8 s at 20 frames a second
+_KEPT = 16                      # blocks that can be sent again: 0.8 s at 20 frames per second
 _LINE_NS_PER_BYTE = 8           # of Gigabit Ethernet, whose pace the packets keep
-_LINE_OVERHEAD = 38             # bytes of a packet on the line besides IP: header, FCS, gap
+_LINE_OVERHEAD = 38             # bytes of a packet on the line without IP: header, FCS, gap
 _TRIGGER_SECONDS = 0.05         # from look to look whether a stream that waits has ended
 _BATCH = 16                     # packets between two looks at the clock
 
 
 @dataclass(frozen=True)
 class Receiver:
-    """Where the packets go, and how large they are.
+    """Destination and size of the packets.
 
     Parameters
     ----------
@@ -63,8 +63,8 @@ class Stream:
     port : int
         UDP port that the packets come from.
     sent, lost, resent : int
-        Packets since the device began; ``sent`` are all that were tried, ``lost`` those dropped on
-        purpose, ``resent`` those of ``sent`` that a receiver asked for.
+        Packets since the device began. ``sent``: all that were tried. ``lost``: those dropped on
+        purpose. ``resent``: those of ``sent`` that a receiver asked for.
     """
     def __init__(self, camera, address, loss=0.0, loss_again=0.0, seed=1,
                  observe=lambda frame: None):
@@ -82,7 +82,7 @@ class Stream:
         self._block = 0
         self._receiver = None
         self._stop, self._thread, self._triggers = None, None, None
-        self._lock = threading.Lock()   # of the blocks and of the chance
+        self._lock = threading.Lock()   # of the blocks and of the random generator
 
     def start(self, receiver, single=False, done=lambda: None, triggered=False):
         """Send every frame from now on, or the next one only; then call ``done``.
@@ -118,25 +118,25 @@ class Stream:
         self._socket.close()
 
     def fire_test(self, receiver):
-        """Send one packet of the full size, which tells the receiver that it gets through."""
+        """Send one packet of the full size, by which the receiver tests the path."""
         self._set_fragment(receiver.fragment)
         self._put([bytes(receiver.packet_size - 28)], receiver.address)
 
     def resend(self, block, first, last):
         """Send packets ``first`` to ``last`` of a block again, as far as they are still there."""
         with self._lock:
-            kept = self._blocks.get(block)
+            cached = self._blocks.get(block)
         receiver = self._receiver
         if receiver is None:
             return
-        if kept is None:
+        if cached is None:
             self._put([gvsp.header(block, gvsp.PAYLOAD, first, PACKET_UNAVAILABLE)],
                       receiver.address)
             return
-        frame, room, packets = kept
+        frame, payload, packets = cached
         count = 0
         for packet in range(first, min(last, packets + 1) + 1):
-            self._send(self._packet(block, frame, room, packets, packet), receiver,
+            self._send(self._packet(block, frame, payload, packets, packet), receiver,
                        self._loss_again)
             count += 1
         self.resent += count
@@ -163,9 +163,9 @@ class Stream:
 
     def _send_frame(self, frame, receiver, stop):
         self._block = self._block % 0xFFFF + 1
-        room, packets = gvsp.payload_packets(len(frame.data), receiver.packet_size)
+        payload, packets = gvsp.payload_packets(len(frame.data), receiver.packet_size)
         with self._lock:
-            self._blocks[self._block] = frame, room, packets
+            self._blocks[self._block] = frame, payload, packets
             while len(self._blocks) > _KEPT:
                 del self._blocks[next(iter(self._blocks))]
         pace = max(receiver.delay_ns,
@@ -178,10 +178,10 @@ class Stream:
                     time.sleep(early / 1e9)
                 if stop.is_set():
                     return
-            self._send(self._packet(self._block, frame, room, packets, packet), receiver,
+            self._send(self._packet(self._block, frame, payload, packets, packet), receiver,
                        self._loss)
 
-    def _packet(self, block, frame, room, packets, packet):
+    def _packet(self, block, frame, payload, packets, packet):
         """The parts of packet number ``packet`` of a block."""
         if packet == 0:
             return [gvsp.leader(block, frame.time_ns, frame.pixel_format, frame.size,
@@ -189,7 +189,7 @@ class Stream:
         if packet > packets:
             return [gvsp.trailer(block, packets + 1, frame.size[1])]
         return [gvsp.header(block, gvsp.PAYLOAD, packet),
-                frame.data[(packet - 1) * room:packet * room]]
+                frame.data[(packet - 1) * payload:packet * payload]]
 
     def _send(self, parts, receiver, loss):
         self.sent += 1
@@ -205,7 +205,7 @@ class Stream:
         try:
             self._socket.sendmsg(parts, [], 0, address)
         except OSError as error:
-            # Too large for the line, or nobody there: lost, as on a wire.
+            # Too large for the line, or no receiver: lost, as on a wire.
             if error.errno not in (errno.EMSGSIZE, errno.ECONNREFUSED, errno.ENETUNREACH,
                                    errno.EHOSTUNREACH, errno.ENOBUFS, errno.EINVAL, errno.EACCES,
                                    errno.EPERM):

@@ -1,4 +1,4 @@
-"""What the window is, and which versions of its parts it runs with."""
+"""Name and version of the program, and versions of its parts."""
 
 import platform
 from importlib.metadata import PackageNotFoundError, version

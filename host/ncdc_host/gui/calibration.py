@@ -1,4 +1,4 @@
-"""Runs :mod:`ncdc_host.gui.calibration_job` and tells by signals how far it is."""
+"""Runs :mod:`ncdc_host.gui.calibration_job` and reports its progress by signals."""
 
 import json
 import sys
@@ -36,7 +36,7 @@ class Calibration(QObject):
 
     @property
     def photo(self):
-        """Where the raw frame is to be written before :meth:`start`."""
+        """Path to which the raw frame must be written before :meth:`start`."""
         return Path(self._folder.name) / "photo.raw.png"
 
     @property

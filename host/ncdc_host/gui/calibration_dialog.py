@@ -58,17 +58,19 @@ class _Picture(QLabel):
 
 
 class CalibrationDialog(QDialog):
-    """Makes a lens of one raw frame; signals ``lens_wanted(path, number)`` when the user wants it
-    loaded in the place of the device's lens of that number.
+    """Makes a lens of one raw frame.
+
+    Signals ``lens_wanted(path, number)`` when the user wants it loaded as the device's lens of that
+    number.
 
     Parameters
     ----------
     shown : Shown
         The raw frame, as the sensor's pixels lie.
     limits : LensLimits or None
-        What the device can take; None: it takes none over this transport, and why is ``reason``.
+        Lenses that the device can load; None: none over this transport, for the ``reason``.
     lenses : sequence of str
-        What the device's lenses are called.
+        Names of the device's lenses.
     active : int
         Number of the one that is corrected now.
     """
@@ -111,7 +113,7 @@ class CalibrationDialog(QDialog):
         highest = self._limits.neurons if self._limits else MAX_NEURONS
         self.neurons = QSpinBox(minimum=1, maximum=highest, value=min(_NEURONS, highest))
         self.neurons.setToolTip(f"Hidden neurons of the network; this device takes up to "
-                                f"{highest}. More follow the lens more closely.")
+                                f"{highest}. More model the lens more closely.")
         form.addRow("&Target", self.target)
         form.addRow("&Neurons", self.neurons)
         self.number = QComboBox()
@@ -120,9 +122,9 @@ class CalibrationDialog(QDialog):
         self.number.setCurrentIndex(active)
         self.number.setToolTip("Nothing of the device changes before you press the button that "
                                "loads the result.")
-        self.place = QLabel(f"a file only: {reason}", wordWrap=True)
+        self.file_only = QLabel(f"a file only: {reason}", wordWrap=True)
         form.addRow("&Replaces" if self._limits else "Goes into",
-                    self.number if self._limits else self.place)
+                    self.number if self._limits else self.file_only)
         return form
 
     def _buttons(self):

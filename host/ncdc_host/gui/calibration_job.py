@@ -1,10 +1,10 @@
-"""A process that makes a lens of one photo: calibrates, trains, tells on the way how far it is.
+"""A process that makes a lens of one photo: calibrates, trains, and reports its progress.
 
     python -m ncdc_host.gui.calibration_job PHOTO FOLDER --neurons 8 --target auto ...
 
-Each line of its output is a JSON object: {"step": text}, {"share": 0..1, "mse": px^2},
-{"points": count, "target": name, "overlay": path}, at the end {"report": {...}, "lens": path} or
-{"error": sentence}. A process of its own can be ended at once, and takes the window no time.
+Each line of its output is a JSON object: {"step": text}, {"share": 0..1, "mse": px^2} or
+{"points": count, "target": name, "overlay": path}. The last one is {"report": {...}, "lens": path}
+or {"error": sentence}. A separate process can be ended at once, and does not block the window.
 """
 
 import argparse
@@ -73,7 +73,7 @@ def _run(args):
     try:
         frame = ideal_frame(points)
     except InputError:
-        frame = None        # the picture shows the points without arrows; training tells why
+        frame = None        # the picture shows the points without arrows; training says why
     write_image(overlay, draw_points(demosaic(raw, args.bayer), points.photos[0], frame))
     _tell(points=points.count, target=points.target, overlay=str(overlay))
     _tell(step=f"Training {args.neurons} hidden neurons")

@@ -13,7 +13,7 @@ _DIMMED = 0.7           # share of the text's colour in that of less important t
 
 
 def is_dark(palette):
-    """Whether text is lighter than what is behind it."""
+    """Whether text is lighter than its background."""
     return (palette.color(QPalette.ColorRole.WindowText).lightness()
             > palette.color(QPalette.ColorRole.Window).lightness())
 

@@ -33,7 +33,7 @@ from ncdc_host.gui.view_state import CORRECTION
 __all__ = ["DeviceTab"]
 
 _COMPARING = ("side by side", "wipe")
-_PATIENCE = 3.0         # seconds without a picture, besides three frames, that are worth a word
+_TIMEOUT = 3.0          # seconds plus three frames without a picture before a message
 _PANEL = 332            # pixels that the settings want at least
 _WIDEST = "120.0 pictures/s  ·  9999 lost"
 _SETTLE = 400           # ms after the last change of a setting until the raw frame is taken anew
@@ -54,7 +54,7 @@ class DeviceTab(QWidget):
     said(text)
         For the status line.
     enabled()
-        What :meth:`can` says may have changed.
+        The result of :meth:`can` may have changed.
     """
     titled, wants, said = Signal(str, str, str), Signal(str, bool), Signal(str)
     enabled = Signal()
@@ -132,7 +132,7 @@ class DeviceTab(QWidget):
         for signal, slot in (
                 (s.opened, self._opened), (s.failed, self._failed), (s.lost, self._lost),
                 (s.features, self._features), (s.written, self.settings.written),
-                (s.refused, self._refused), (s.saved, self._saved), (s.busy, self._busy),
+                (s.rejected, self._rejected), (s.saved, self._saved), (s.busy, self._busy),
                 (s.picture, self._picture), (s.no_pictures, self._no_pictures),
                 (s.still, self._still), (s.counted, self._counted),
                 (s.lens_loaded, self._lens_loaded)):
@@ -211,7 +211,7 @@ class DeviceTab(QWidget):
         if reason == "held":
             self._wait("Another user has control of this device.")
             self.messages.show_message(
-                "Another user has control. You can watch beside them, or try again when they "
+                "Another user has control. You can watch as well, or try again when they "
                 "have left.", "warning", self._other_ways(True), lasting=True)
             self.messages.setToolTip(text)
         else:
@@ -262,13 +262,13 @@ class DeviceTab(QWidget):
         self._wait("No pictures to watch: the user who has control does not send them to a group."
                    if self.access == "monitor" else self._sentence(text))
 
-    def _refused(self, text):
+    def _rejected(self, text):
         self.messages.show_message(self._sentence(text), "warning")
         if self.dialog is not None:
             self.dialog.trouble(self._sentence(text))
 
     def _sentence(self, text):
-        """A message of the device or of the way to it, which has its name in place of its URL."""
+        """A message of the device or of the way to it, with its name instead of its URL."""
         text = _URL.sub(lambda _: self.name, text)
         if not text.startswith(self.name):
             text = text[:1].upper() + text[1:]
@@ -287,7 +287,7 @@ class DeviceTab(QWidget):
 
     def _listen(self):
         rate = self.infos.get("AcquisitionFrameRate") if self.infos else None
-        self._silence.start(int(1000 * (_PATIENCE + (3 / rate.value if rate else 0))))
+        self._silence.start(int(1000 * (_TIMEOUT + (3 / rate.value if rate else 0))))
 
     def _no_picture_came(self):
         self._wait("No picture comes.\nIf the device goes on to answer, a firewall may keep the "
@@ -376,7 +376,7 @@ class DeviceTab(QWidget):
         self._enable()
 
     def _show_no_rate(self):
-        """Nothing comes any more: what was counted stays, the rate does not."""
+        """Show the end of the stream: counters stay, the rate is cleared."""
         self._rest.stop()
         if self._counts is not None:
             self._counted(replace(self._counts, rate=0.0))

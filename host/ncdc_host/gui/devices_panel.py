@@ -156,7 +156,7 @@ class DevicesPanel(QWidget):
         menu = QMenu(self)
         for text, scheme, monitor in (
                 ("Control it: GVCP and GVSP", "gige", False),
-                ("Watch only, beside another user", "gige", True),
+                ("Watch only, with another user in control", "gige", True),
                 ("Table I and II over TCP: all users are equal", "tcp", False),
                 ("GVCP and GVSP by Aravis", "aravis", False)):
             menu.addAction(text, lambda s=scheme, m=monitor: self._want(item, s, m))

@@ -69,8 +69,8 @@ class FlowLayout(QLayout):
         sides = self.contentsMargins()
         return QSize(width + sides.left() + sides.right(), height + sides.top() + sides.bottom())
 
-    def _rows(self, rect, place):
-        """Place the widgets in ``rect``, or only measure if ``place`` is None; the height."""
+    def _rows(self, rect, arrange):
+        """Arrange the widgets in ``rect``, or only measure if ``arrange`` is None; the height."""
         sides = self.contentsMargins()
         inside = rect.marginsRemoved(sides)
         x, y, height = inside.left(), inside.top(), 0
@@ -78,7 +78,7 @@ class FlowLayout(QLayout):
             size = item.sizeHint()
             if x > inside.left() and x + size.width() > inside.left() + inside.width():
                 x, y, height = inside.left(), y + height + self._gap, 0
-            if place is not None:
+            if arrange is not None:
                 item.setGeometry(QRect(QPoint(x, y), size))
             x, height = x + size.width() + self._gap, max(height, size.height())
         return y + height - rect.top() + sides.bottom()

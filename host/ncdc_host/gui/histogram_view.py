@@ -1,4 +1,4 @@
-"""How often each grey level is in the picture, a curve a colour."""
+"""Histogram of the picture's grey levels, a curve a colour."""
 
 import numpy as np
 from PySide6.QtCore import QPointF, QSize, Qt

@@ -20,7 +20,7 @@ class LensPanel(QGroupBox):
                              "next frame; the pictures go on.")
         self.list.currentRowChanged.connect(self._row_changed)
         self.load = QPushButton("&Load lens file …")
-        self.load.setToolTip("A descriptor of ncdc train takes the place of the lens above.")
+        self.load.setToolTip("A descriptor of ncdc train replaces the lens above.")
         self.calibrate = QPushButton("&Calibrate from this picture …")
         self.calibrate.setToolTip("Find the calibration target in a raw frame, train a network, "
                                   "and load it into the device.")
@@ -35,7 +35,7 @@ class LensPanel(QGroupBox):
         return max(0, self.list.currentRow())
 
     def texts(self):
-        """What each lens is called: list of str."""
+        """Names of the lenses: list of str."""
         return [self.list.item(k).text() for k in range(self.list.count())]
 
     def show_lenses(self, count, active):

@@ -162,8 +162,10 @@ class MainWindow(QMainWindow):
             tab.panel.setVisible(self.panels["settings"].isChecked())
 
     def resizeEvent(self, event):
-        """Hide panels where the window becomes too narrow for them, show them where it is wide
-        again; what the user has chosen meanwhile stays until then."""
+        """Hide panels if the window becomes too narrow, show them if it becomes wide again.
+
+        In between, the user's own choice stays.
+        """
         super().resizeEvent(event)
         wide = {name: self.width() >= width for name, width in _WIDE.items()}
         for name, is_wide in wide.items():

@@ -1,4 +1,4 @@
-"""A line above the picture that tells what is wrong, with what can be done about it."""
+"""A line above the picture that says what is wrong, with buttons to resolve it."""
 
 from PySide6.QtCore import QEvent, Qt, QTimer
 from PySide6.QtGui import QGuiApplication

@@ -24,7 +24,7 @@ class _Careful:
 
 
 class _Limited:
-    """What is typed beyond a limit becomes the limit.
+    """Replaces a typed value beyond a limit by the limit.
 
     Qt's own boxes drop the digit that goes too far: of 20000 typed where 10000 is the limit, 2000
     would be sent.
@@ -86,7 +86,7 @@ class NumberEditor(QWidget):
     unit : str
     slider : {"", "linear", "log"}
     about : str
-        What it is, a sentence for the tool tip, which has the limits besides.
+        A sentence for the tool tip, which shows the limits as well.
     """
     edited = Signal(float)
 

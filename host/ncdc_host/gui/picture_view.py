@@ -19,7 +19,7 @@ _BACKGROUND = QColor(38, 40, 43)
 class PictureView(QWidget):
     """Paints ``live``, the newest picture, and ``still``, the raw frame it is compared with.
 
-    Both are QImages; they are fitted to the same place, so that sizes may differ. The wheel zooms
+    Both are QImages; they are fitted to the same area, so that sizes may differ. The wheel zooms
     about the cursor, dragging moves the picture, a double click fits it again.
 
     Signals
@@ -35,7 +35,7 @@ class PictureView(QWidget):
         super().__init__()
         self.live = self.still = None
         self.mode, self.text = "after", ""
-        self.wipe = 0.5             # the line's place, a share of the picture's width
+        self.wipe = 0.5             # the line's position, a share of the picture's width
         self.shade = False          # the picture is an old one
         self._scale, self._middle = None, QPointF(0.5, 0.5)
         self._drag = None
@@ -88,12 +88,12 @@ class PictureView(QWidget):
         if self._scale is not None:
             return self._scale
         width, height = self._size()
-        place = self._areas()[0]
-        return min(place.width() / width, place.height() / height)
+        rect = self._areas()[0]
+        return min(rect.width() / width, rect.height() / height)
 
     @property
     def fitted(self):
-        """Whether the picture follows the window's size."""
+        """Whether the picture is scaled with the window."""
         return self._scale is None
 
     def fit(self):
@@ -137,25 +137,25 @@ class PictureView(QWidget):
         return [QRect(0, 0, half, self.height()),
                 QRect(self.width() - half, 0, half, self.height())]
 
-    def _place(self, area):
-        """Where the picture lies in the widget, as if the ``area`` were endless."""
+    def _rect(self, area):
+        """Rectangle of the picture in the widget, not clipped to the ``area``."""
         width, height = (side * self.scale for side in self._size())
         left = area.center().x() + 0.5 - self._middle.x() * width
         top = area.center().y() + 0.5 - self._middle.y() * height
         # Whole pixels on the screen, so that at 100 % each is a pixel of the picture.
         return QRectF(round(left), round(top), width, height)
 
-    def picture_place(self):
-        """Where the live picture lies in the widget, a QRectF."""
-        return self._place(self._areas()[-1])
+    def picture_rect(self):
+        """Rectangle of the live picture in the widget, a QRectF."""
+        return self._rect(self._areas()[-1])
 
     def _share(self, point):
-        """Place of a point in the picture, as shares of its width and height."""
+        """Position of a point in the picture, as shares of its width and height."""
         area = next((one for one in self._areas() if one.contains(QPointF(point).toPoint())),
                     self._areas()[0])
-        place = self._place(area)
-        return QPointF((point.x() - place.left()) / place.width(),
-                       (point.y() - place.top()) / place.height())
+        rect = self._rect(area)
+        return QPointF((point.x() - rect.left()) / rect.width(),
+                       (point.y() - rect.top()) / rect.height())
 
     def _keep_inside(self):
         self._middle = QPointF(min(max(self._middle.x(), 0), 1), min(max(self._middle.y(), 0), 1))
@@ -173,7 +173,7 @@ class PictureView(QWidget):
         for area, image in zip(areas, pictures):
             painter.setClipRect(area)
             if image is not None:
-                painter.drawImage(self._place(area), image)
+                painter.drawImage(self._rect(area), image)
         if self.mode == "wipe" and self.still is not None and self.live is not None:
             self._paint_wipe(painter)
         painter.setClipping(False)
@@ -184,14 +184,14 @@ class PictureView(QWidget):
             self._paint_text(painter)
 
     def _line(self):
-        place = self._place(self.rect())
-        return place.left() + self.wipe * place.width()
+        rect = self._rect(self.rect())
+        return rect.left() + self.wipe * rect.width()
 
     def _paint_wipe(self, painter):
         x = round(self._line())
         painter.setClipRect(QRect(0, 0, max(0, x), self.height()))
         painter.fillRect(self.rect(), _BACKGROUND)
-        painter.drawImage(self._place(self.rect()), self.still)
+        painter.drawImage(self._rect(self.rect()), self.still)
         painter.setClipping(False)
         painter.setRenderHint(QPainter.RenderHint.Antialiasing)
         painter.setPen(QPen(QColor(0, 0, 0, 120), 4))
@@ -253,13 +253,13 @@ class PictureView(QWidget):
     def mouseMoveEvent(self, event):
         point = event.position()
         if self._drag == "line":
-            place = self._place(self.rect())
-            self.set_wipe((point.x() - place.left()) / place.width())
+            rect = self._rect(self.rect())
+            self.set_wipe((point.x() - rect.left()) / rect.width())
         elif self._drag is not None:
-            place = self._place(self._areas()[0])
+            rect = self._rect(self._areas()[0])
             moved = point - self._drag
             self._scale = self.scale
-            self._middle -= QPointF(moved.x() / place.width(), moved.y() / place.height())
+            self._middle -= QPointF(moved.x() / rect.width(), moved.y() / rect.height())
             self._keep_inside()
             self._drag = point
             self.update()

@@ -29,7 +29,7 @@ class Receiver:
     Attributes
     ----------
     statistics : Statistics
-        Of the stream, a quarter of a second old at most.
+        Counters of the stream, a quarter of a second old at most.
     """
     def __init__(self, stream, arrived, failed):
         self._stream, self._arrived, self._failed = stream, arrived, failed
@@ -40,7 +40,7 @@ class Receiver:
         self._thread = threading.Thread(target=self._run, daemon=True)
 
     def start(self):
-        """Begin to receive, once whoever is told of a picture knows whom to take it from."""
+        """Begin to receive; the callback must be able to take pictures from this object."""
         self._thread.start()
 
     def take(self):

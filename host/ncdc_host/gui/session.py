@@ -1,4 +1,4 @@
-"""What a tab does with its device, in a thread, told by signals: no widget, no waiting."""
+"""A tab's work with its device, in a thread that reports by signals and uses no widget."""
 
 import queue
 import threading
@@ -8,7 +8,7 @@ from functools import partial
 
 from PySide6.QtCore import QObject, Signal
 
-from ncdc_host.client import DeviceError, DeviceGone, Refused, Statistics, open_device
+from ncdc_host.client import DeviceError, DeviceGone, Rejected, Statistics, open_device
 from ncdc_host.gui.receiver import Receiver
 from ncdc_host.gui.shown import Shown
 from ncdc_host.gui.view_state import (
@@ -43,9 +43,9 @@ class Still:
     ----------
     shown : Shown
     purpose : str
-        What :meth:`Session.take_still` was asked for.
+        Purpose that was given to :meth:`Session.take_still`.
     limits : LensLimits or None
-        What a lens made of it must be like; None if the transport takes no lens.
+        Requirements on a lens made of it; None if the transport takes no lens.
     reason : str
         Why not.
     """
@@ -58,7 +58,7 @@ class Still:
 class Session(QObject):
     """A device from :meth:`start` to :meth:`close`, whatever happens to it in between.
 
-    Each method returns at once; what it leads to is told by a signal.
+    Each method returns at once; a signal reports the result.
 
     Parameters
     ----------
@@ -69,7 +69,7 @@ class Session(QObject):
     Signals
     -------
     opened(access), failed(reason, sentence)
-        Of opening; the reason is "held": another user has control, "gone": nobody answers, or
+        Result of opening; the reason is "held": another user has control, "gone": no answer, or
         "other". After "gone" nothing is tried any more, until :meth:`open`.
     lost(sentence)
         The device does not answer any more; it is tried again until it does, then ``opened``.
@@ -78,7 +78,7 @@ class Session(QObject):
         whenever one has changed.
     written(name, serial)
         The :meth:`set` that returned that serial number is done, whether it succeeded or not.
-    refused(sentence)
+    rejected(sentence)
         Something did not work.
     busy(sentence)
         Something takes long; empty when it is over.
@@ -90,7 +90,7 @@ class Session(QObject):
     """
     opened, failed, lost = Signal(str), Signal(str, str), Signal(str)
     features, written = Signal(object), Signal(str, int)
-    refused, saved, busy = Signal(str), Signal(str), Signal(str)
+    rejected, saved, busy = Signal(str), Signal(str), Signal(str)
     picture, no_pictures = Signal(), Signal(str)
     still, counted, lens_loaded = Signal(object), Signal(object), Signal(int, str)
     closed = Signal()
@@ -155,7 +155,7 @@ class Session(QObject):
         return None if receiver is None else receiver.take()
 
     def close(self):
-        """Give control back and end; ``closed`` tells when."""
+        """Give control back and end; ``closed`` is emitted then."""
         self._jobs.put(None)
 
     def wait(self, seconds):
@@ -177,7 +177,7 @@ class Session(QObject):
             except DeviceGone as error:
                 self._lose(error)
             except (DeviceError, InputError) as error:
-                self.refused.emit(str(error))
+                self.rejected.emit(str(error))
         self._release()
         self.closed.emit()
 
@@ -192,7 +192,7 @@ class Session(QObject):
             return
         except (DeviceError, InputError) as error:
             self._lost = False
-            self.failed.emit("held" if isinstance(error, Refused) else "other", str(error))
+            self.failed.emit("held" if isinstance(error, Rejected) else "other", str(error))
             return
         self._device, self._lost, self._features = device, False, {}
         self._refresh()
@@ -204,7 +204,7 @@ class Session(QObject):
             return
         self._lost = True
         self.lost.emit(str(error))
-        self._release()         # which takes its time: nobody answers
+        self._release()         # which waits for the timeout: the device does not answer
 
     def _release(self):
         device, self._device = self._device, None
@@ -281,7 +281,7 @@ class Session(QObject):
                     self._device.set(name, value)
         finally:
             if self._device is not None:
-                # Sent even if nothing changed: the window may show a value that was refused.
+                # Sent even if nothing changed: the window may show a value that was rejected.
                 self._features = {}
                 self._refresh()
             self.written.emit(name, serial)

@@ -128,7 +128,7 @@ class SettingsPanel(QWidget):
         return box
 
     def _expose(self, exposure_us):
-        """Whole lines, as many as the shutter can have: what the sensor can do."""
+        """Set the shutter's limits: whole lines that the sensor supports."""
         box = self.shutter.box
         lines = min(max(box.minimum(), round(exposure_us / self._line_us)), box.maximum())
         self.changed.emit("ExposureTime", lines * self._line_us)
@@ -167,8 +167,8 @@ class SettingsPanel(QWidget):
                 editor.setEnabled(info.writable)
             line, lines = self._line_us, round(info.value / self._line_us)
             # A limit is a float: it may lack the last digit of a whole number of lines.
-            fewest, most = math.ceil(info.minimum / line - _SLACK), info.maximum / line + _SLACK
-            self.shutter.show_value(lines, max(1, fewest), most, 1)
+            low, high = math.ceil(info.minimum / line - _SLACK), info.maximum / line + _SLACK
+            self.shutter.show_value(lines, max(1, low), high, 1)
             self.exposure.show_value(info.value / 1000, info.minimum / 1000, info.maximum / 1000,
                                      1.0, _SLIDER_MAX_MS)
         for name, editor, step in (("Gain", self.gain, 0.125),

@@ -22,7 +22,7 @@ class Shown:
     image : QImage
         RGB; raw frames demosaiced.
     histogram : ndarray of int, shape (3, 256)
-        Of red, green and blue as painted; of a raw frame's samples, of its colours' own samples.
+        Counts of red, green and blue as painted; of a raw frame, those of its colours' own samples.
     """
     frame: Frame
     image: QImage
@@ -41,10 +41,10 @@ class Shown:
 def _histogram(frame):
     pixels = frame.pixels
     if frame.pixel_format.raw:
-        places = {colour: [] for colour in "RGB"}
+        samples_of = {colour: [] for colour in "RGB"}
         for k, colour in enumerate(frame.pixel_format.bayer):
-            places[colour].append(pixels[k // 2::2, k % 2::2].ravel())
-        samples = [np.concatenate(places[colour]) for colour in "RGB"]
+            samples_of[colour].append(pixels[k // 2::2, k % 2::2].ravel())
+        samples = [np.concatenate(samples_of[colour]) for colour in "RGB"]
     elif pixels.ndim == 2:
         samples = [pixels.ravel()] * 3
     else:

@@ -1,12 +1,12 @@
-"""What a stream has counted."""
+"""Counters and rates of a stream."""
 
 from PySide6.QtWidgets import QFormLayout, QGroupBox, QLabel
 
 __all__ = ["StatisticsPanel"]
 
 _ROWS = {
-    "rate": ("Rate", "Pictures a second that arrive."),
-    "data": ("Data", "Megabytes a second that their pixels are."),
+    "rate": ("Rate", "Pictures per second that arrive."),
+    "data": ("Data", "Megabytes per second of their pixels."),
     "frames": ("Pictures", "Whole pictures received since the device was opened."),
     "lost": ("Lost", "Pictures that were sent and did not arrive whole."),
     "skipped": ("Skipped", "Pictures that were not taken in time, or, over TCP, not asked for."),

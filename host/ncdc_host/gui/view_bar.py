@@ -18,7 +18,7 @@ __all__ = ["ViewBar"]
 _TIPS = {
     "before": "The raw frame, live: the device's correction is off, for all its users (1)",
     "after": "The corrected picture, live (2)",
-    "side by side": "A raw frame beside the corrected picture (3)",
+    "side by side": "A raw frame next to the corrected picture (3)",
     "wipe": "A raw frame under the corrected picture; drag the line, or ← → (4)",
 }
 

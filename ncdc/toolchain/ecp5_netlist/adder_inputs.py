@@ -11,8 +11,8 @@ _PINS = "ABCD"
 def absorb_inversions(netlist, top):
     """Move exclusive-ors before adders into them, in a JSON netlist of ``synth_ecp5``.
 
-    An adder's bit holds a table of four inputs, of which a sum needs two. ``a + (b ^ s)``, an
-    addition or a subtraction as ``s`` says, is one level of logic with it, not two; Yosys makes it
+    An adder's bit holds a table of four inputs, of which a sum needs two. ``a + (b ^ s)`` adds or
+    subtracts as ``s`` says, and needs one level of logic with the table instead of two. Yosys does
     so only if ``s`` is a constant, vendors' tools always. The function stays the same.
 
     Parameters

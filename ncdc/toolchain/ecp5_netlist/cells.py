@@ -25,7 +25,7 @@ class Wires:
 
     @classmethod
     def of(cls, module):
-        """Those of a ``module`` of a parsed netlist."""
+        """The wires of a ``module`` of a parsed netlist."""
         users, readers, drivers = Counter(), {}, {}
         for port in module["ports"].values():
             users.update(bit for bit in port["bits"] if port["direction"] == "output")

@@ -1,4 +1,4 @@
-"""Registers of ECP5 multipliers, which Yosys leaves beside the multiplier."""
+"""Registers of ECP5 multipliers, which Yosys leaves outside the multiplier."""
 
 from ncdc.toolchain.ecp5_netlist.cells import (
     Wires,
@@ -16,10 +16,10 @@ def absorb_multiplier_registers(netlist, top):
     A multiplier has a register at each factor, one within and one at its product; without them
     4.5 ns pass from factors to product. Yosys does not use them; vendors' tools do. A factor's is
     used if flip-flops without a reset, of one clock and one enable, drive all bits that are no
-    constants; they remain for whoever else reads them. Those at the product are used if every bit
-    that is read feeds one such flip-flop and nothing else; if these feed only flip-flops again,
-    both. The registers of a multiplier share clock and enable. The function stays the same, but
-    for the first clocks after configuration.
+    constants. The flip-flops remain for their other readers. A product's register is used if every
+    bit that is read feeds one such flip-flop and nothing else. If these feed only flip-flops again,
+    both registers are used. The registers of a multiplier share clock and enable. The function
+    stays the same, but for the first clocks after configuration.
 
     Parameters
     ----------
@@ -37,7 +37,7 @@ def absorb_multiplier_registers(netlist, top):
     cells = module["cells"]
     wires = Wires.of(module)
     used = sum(_Multiplier(mult, cells, wires).absorb() for mult in of_type(module, "MULT18X18D"))
-    # Flip-flops that nothing reads any more; those behind a multiplier are gone already.
+    # Flip-flops without readers; those after a multiplier are removed already.
     for bit, name in wires.drivers.items():
         if not wires.users[bit] and name in cells:
             del cells[name]
@@ -73,13 +73,13 @@ class _Multiplier:
                  if port[0] == "P" and bits and self.users[bits[0]]}
         registers = 0
         while registers < 2 and wires:
-            behind = {port: self.readers.get(bit, (None,))[0] for port, bit in wires.items()}
-            flip_flops = {port: self.cells.get(name) for port, name in behind.items()}
+            after = {port: self.readers.get(bit, (None,))[0] for port, bit in wires.items()}
+            flip_flops = {port: self.cells.get(name) for port, name in after.items()}
             if (any(self.users[bit] != 1 for bit in wires.values())
                     or not self._same_control(flip_flops.values())
                     or any(self.readers[bit][1] != "DI" for bit in wires.values())):
                 break
-            for port, name in behind.items():
+            for port, name in after.items():
                 wires[port] = flip_flops[port]["connections"]["Q"][0]
                 self.cell["connections"][port] = [wires[port]]
                 del self.cells[name], self.drivers[wires[port]]

@@ -19,8 +19,8 @@ def _ports(dut, prefix, *names):
 async def read_memory(dut, prefix, content, *, wait=0.0, latency=(1, 1), seed=3, log=None):
     """Serve pipelined burst reads of ``prefix`` from the bytes ``content``, forever.
 
-    ``wait``: chance of waitrequest in a clock; ``latency``: least and most clocks from an
-    accepted command to its first word; ``log`` collects (address, words).
+    ``wait``: probability of waitrequest in a clock; ``latency``: minimum and maximum number of
+    clocks from an accepted command to its first word. ``log`` collects (address, words).
     """
     address, read, burstcount, waitrequest, readdata, readdatavalid = _ports(
         dut, prefix, "address", "read", "burstcount", "waitrequest", "readdata", "readdatavalid")
@@ -56,7 +56,7 @@ async def write_memory(dut, prefix, content, *, wait=0.0, seed=4, log=None):
     address, write, burstcount, writedata, byteenable, waitrequest = _ports(
         dut, prefix, "address", "write", "burstcount", "writedata", "byteenable", "waitrequest")
     rng, word = random.Random(seed), len(writedata) // 8
-    left, place, held = 0, 0, None
+    left, at, held = 0, 0, None
     while True:
         waiting = rng.random() < wait
         waitrequest.value = int(waiting)
@@ -70,13 +70,13 @@ async def write_memory(dut, prefix, content, *, wait=0.0, seed=4, log=None):
             start, words, data, enable = beat
             if left == 0:
                 assert words >= 1 and start % word == 0, f"{prefix}: {words} words at {start:#x}"
-                left, place = words, start
+                left, at = words, start
                 if log is not None:
                     log.append((start, words))
             for lane, byte in enumerate(data.to_bytes(word, "little")):
                 if enable >> lane & 1:
-                    content[place + lane] = byte
-            left, place = left - 1, place + word
+                    content[at + lane] = byte
+            left, at = left - 1, at + word
         await FallingEdge(dut.clk)
 
 

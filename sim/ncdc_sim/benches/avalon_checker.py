@@ -1,11 +1,11 @@
-"""The Avalon-MM checker in Verilog: silent on good traffic, one breach for each planted one."""
+"""The Avalon-MM checker in Verilog: silent on good traffic, one violation for each planted one."""
 
 import cocotb
 from cocotb.types import Logic
 
 from ncdc_sim.benches.common import clocks, settings, start
 
-__all__ = ["breaches", "good_traffic"]
+__all__ = ["violations", "good_traffic"]
 
 IDLE = {"address": 0, "read": 0, "write": 0, "burstcount": 0, "writedata": 0, "byteenable": 0,
         "waitrequest": 0, "readdatavalid": 0, "host_rst": 0, "memory_rst": 0}
@@ -27,7 +27,7 @@ GOOD = [
 ]
 
 # Rule, then the clocks that break it once.
-BREACHES = [
+VIOLATIONS = [
     ("held", [READ | WAIT, READ | {"address": 68}, DATA, DATA]),
     ("held", [READ | WAIT, {}]),
     ("held", [READ | WAIT, READ | {"read": 0}]),
@@ -77,7 +77,7 @@ async def play(dut, steps):
 
 @cocotb.test()
 async def good_traffic(dut):
-    """No breach; the counters count."""
+    """No violation; the counters count."""
     assert await play(dut, GOOD) == 0
     assert [int(getattr(dut, name).value) for name in ("commands", "beats", "bytes", "waits")] \
         == [6, 8 + 2 + 16, 8, 5]
@@ -85,9 +85,9 @@ async def good_traffic(dut):
 
 
 @cocotb.test()
-async def breaches(dut):
-    """Each planted breach counts once."""
-    planted = BREACHES + (UNKNOWN if settings()["four_states"] else [])
+async def violations(dut):
+    """Each planted violation counts once."""
+    planted = VIOLATIONS + (UNKNOWN if settings()["four_states"] else [])
     for rule, steps in planted:
         errors = await play(dut, steps)
         assert errors == 1, f"{rule}: {errors} errors in {steps}"

@@ -25,16 +25,16 @@ async def prepare(dut, **changes):
 
 async def fill(dut, rng):
     """Write the whole memory in bursts of random length and enables; returns the content."""
-    content, place = bytearray(BYTES), 0
+    content, at = bytearray(BYTES), 0
     for everything in (True, False):
-        place = 0
-        while place < BYTES:
-            words = min(rng.randint(1, 16), (BYTES - place) // WORD)
+        at = 0
+        while at < BYTES:
+            words = min(rng.randint(1, 16), (BYTES - at) // WORD)
             for k in range(words):
                 data = rng.randbytes(WORD)
                 enable = 15 if everything else rng.getrandbits(WORD)
                 # The address counts on the first beat only.
-                dut.write_address.value = place if k == 0 else rng.getrandbits(32)
+                dut.write_address.value = at if k == 0 else rng.getrandbits(32)
                 dut.write_write.value, dut.write_burstcount.value = 1, words
                 dut.write_writedata.value = int.from_bytes(data, "little")
                 dut.write_byteenable.value = enable
@@ -45,8 +45,8 @@ async def fill(dut, rng):
                     await FallingEdge(dut.clk)
                 for lane in range(WORD):
                     if enable >> lane & 1:
-                        content[place + WORD * k + lane] = data[lane]
-            place += WORD * words
+                        content[at + WORD * k + lane] = data[lane]
+            at += WORD * words
     dut.write_write.value = 0
     return content
 
@@ -57,10 +57,10 @@ class Reader:
     def __init__(self, port, rng, gap, bursts=(1, 16)):
         self.port, self.rng, self.gap, self.bursts = port, rng, gap, bursts
         self.command, self.due, self.commands, self.beats, self.first = None, [], 0, 0, []
-        self.refused = 0
+        self.waits = 0
 
     def offer(self):
-        """(read, address, burstcount) for this clock; held while refused."""
+        """(read, address, burstcount) for this clock; held while it waits."""
         if self.command is None and self.rng.random() >= self.gap:
             words = self.rng.randint(*self.bursts)
             self.command = WORD * self.rng.randrange(BYTES // WORD - words), words
@@ -69,10 +69,10 @@ class Reader:
     def step(self, clock, waiting, valid, data, content, timing):
         """Check what the port answers in this clock."""
         if valid:
-            assert self.due, f"port {self.port}: data that nobody asked for"
+            assert self.due, f"port {self.port}: data without a command"
             asked, address, words, k = self.due[0]
-            place = address + WORD * k
-            assert data == int.from_bytes(content[place:place + WORD], "little"), hex(place)
+            at = address + WORD * k
+            assert data == int.from_bytes(content[at:at + WORD], "little"), hex(at)
             if k == 0:
                 self.first.append(clock - asked)
                 assert timing["dram"] or clock - asked >= timing["latency_min"]
@@ -81,7 +81,7 @@ class Reader:
                 self.due.pop(0)
             self.beats += 1
         if self.command and waiting:
-            self.refused += 1
+            self.waits += 1
         elif self.command:
             self.due.append([clock, *self.command, 0])
             self.command = None
@@ -127,7 +127,7 @@ async def content_order_and_latency(dut):
     readers = [Reader(k, rng, gap=.3) for k in range(PORTS)]
     await read(dut, readers, content, timing, 1500)
     assert all(reader.commands > 10 for reader in readers)
-    assert not timing.get("wait_chance") or readers[0].refused > 100
+    assert not timing.get("wait_chance") or readers[0].waits > 100
     rest = successors(readers, rng, gap=1)
     await read(dut, rest, content, timing, 2000)
     assert not any(reader.due for reader in rest)
@@ -136,7 +136,7 @@ async def content_order_and_latency(dut):
     latencies = [n for reader in lone for n in reader.first]
     if not timing["dram"]:
         low, high = timing["latency_min"], timing["latency_max"]
-        # Of some sixty draws one is in the lowest tenth; which, is chance.
+        # One of some sixty draws is in the lowest tenth; which one is random.
         assert low <= min(latencies) <= low + (high - low) // 10
         assert max(latencies) <= high + 1
         assert high == low or len(set(latencies)) > 3

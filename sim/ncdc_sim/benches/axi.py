@@ -31,15 +31,15 @@ __all__ = ["frames_equal_model"]
 _MEMORY = 1 << 16           # bytes
 
 
-def pauses(chance, seed):
+def pauses(probability, seed):
     """Whether a channel pauses, clock by clock."""
     rng = random.Random(seed)
     while True:
-        yield rng.random() < chance
+        yield rng.random() < probability
 
 
 class Peer:
-    """Memory, host and sink at the ports of ``dut``; channels pause with the chance ``pause``."""
+    """Memory, host and sink at the ports of ``dut``; ``pause``: its probability in a channel."""
 
     def __init__(self, dut, pause):
         reset = {"reset": dut.aresetn, "reset_active_level": False}
@@ -66,7 +66,7 @@ class Peer:
                                       byte_lanes=len(dut.m_axis_tdata) // 8, **reset)
             channels.append(self.sink)
         for part in (*self.memories, self.write_side, write, read, self.sink):
-            if part is not None:        # a line per access is most of the run's time
+            if part is not None:        # a line per access would take most of the run's time
                 part.log.setLevel(logging.WARNING)
         for seed, channel in enumerate(channels):
             channel.set_pause_generator(pauses(pause, seed))
@@ -96,7 +96,7 @@ class Peer:
 
 @cocotb.test()
 async def frames_equal_model(dut):
-    """Two frames, each at places of its own; a write of a byte is refused."""
+    """Two frames, each at addresses of its own; a write of a byte is rejected."""
     s = settings()
     d = Descriptor.load(s["descriptor"])
     g, rng = d.geometry, np.random.default_rng(9)
@@ -132,6 +132,6 @@ async def frames_equal_model(dut):
         await peer.put(rows["STATUS"], STATUS_DONE)
         assert await peer.get(rows["PIXELS"]) == g.corrected_width * g.corrected_height
     assert await peer.get(rows["FRAMES"]) == 2 and await peer.get(rows["FAULT"]) == 0
-    # A write of some bytes of a word is refused, and changes nothing.
+    # A write of some bytes of a word is rejected, and changes nothing.
     answer = await peer.host.write(4 * rows["IRQ_ENABLE"], b"\0")
     assert int(answer.resp) == 2 and await peer.get(rows["IRQ_ENABLE"]) == 1

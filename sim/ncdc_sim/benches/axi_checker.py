@@ -1,4 +1,4 @@
-"""The AXI checker in Verilog: silent on good traffic, one breach for each planted one."""
+"""The AXI checker in Verilog: silent on good traffic, one violation for each planted one."""
 
 import cocotb
 from cocotb.clock import Clock
@@ -7,7 +7,7 @@ from cocotb.types import Logic
 
 from ncdc_sim.benches.common import PERIOD, settings
 
-__all__ = ["breaches", "good_traffic"]
+__all__ = ["violations", "good_traffic"]
 
 _BURST = {"len": 1, "size": 2, "burst": 1, "lock": 0, "id": 0, "addr": 64}
 IDLE = ({f"a{c}{name}": value if name in ("size", "burst") else 0
@@ -35,7 +35,7 @@ GOOD = [
 ]
 
 # Rule, then the clocks that break it once.
-BREACHES = [
+VIOLATIONS = [
     ("held", [AR | AR_WAIT, AR | {"araddr": 68}, R, R | RLAST]),
     ("held", [AR | AR_WAIT, {}]),
     ("held", [AW | AW_WAIT, AW | {"awlen": 0}, W, W | LAST, B]),
@@ -92,7 +92,7 @@ async def play(dut, steps):
 
 @cocotb.test()
 async def good_traffic(dut):
-    """No breach; the counters count."""
+    """No violation; the counters count."""
     cocotb.start_soon(Clock(dut.clk, PERIOD, unit="ns").start())
     assert await play(dut, GOOD) == 0
     assert [int(getattr(dut, name).value) for name in ("reads", "writes", "words_read",
@@ -100,9 +100,9 @@ async def good_traffic(dut):
 
 
 @cocotb.test()
-async def breaches(dut):
-    """Each planted breach counts once."""
+async def violations(dut):
+    """Each planted violation counts once."""
     cocotb.start_soon(Clock(dut.clk, PERIOD, unit="ns").start())
-    for rule, steps in BREACHES + (UNKNOWN if settings()["four_states"] else []):
+    for rule, steps in VIOLATIONS + (UNKNOWN if settings()["four_states"] else []):
         errors = await play(dut, steps)
         assert errors == 1, f"{rule}: {errors} errors in {steps}"

@@ -1,4 +1,4 @@
-"""The front end: two frames of coordinates in raster order against the golden model."""
+"""The front end: two frames of coordinates in raster order, compared with the golden model."""
 
 import random
 

@@ -13,8 +13,10 @@ __all__ = ["two_frames"]
 
 @cocotb.test()
 async def two_frames(dut):
-    """Full bursts, a short one before a jump in the middle, and a short last one; missing bytes of
-    the last word stay as they were."""
+    """Full bursts, a short one before a jump in the middle, and a short last one.
+
+    Bytes of the last word that are not written keep their values.
+    """
     s, width = settings(), settings()["data_width"]
     rng, word = np.random.default_rng(7), width // 8
     content, expected = bytearray(b"\xee" * 8192), bytearray(b"\xee" * 8192)
@@ -30,13 +32,13 @@ async def two_frames(dut):
     cocotb.start_soon(write_memory(dut, "bus", content, wait=s["wait"], log=log))
     cocotb.start_soon(watch())
     for frame, (base, count) in enumerate(((256, s["count"]), (4096, s["count"] + s["burst"]))):
-        jump = count // 2                    # the words behind it lie a word further on
+        jump = count // 2                    # the words after it lie a word further on
         addresses = [base + (k + (k >= jump)) * word for k in range(count)]
         data = rng.integers(0, 256, (count, word), np.uint8)
         enable = [(1 << word) - 1] * (count - 1) + [(1 << word // 2) - 1]
         for k in range(count):
-            kept = word // 2 if k == count - 1 else word
-            expected[addresses[k]:addresses[k] + kept] = data[k, :kept].tobytes()
+            valid = word // 2 if k == count - 1 else word
+            expected[addresses[k]:addresses[k] + valid] = data[k, :valid].tobytes()
         words = [{"data": int.from_bytes(data[k].tobytes(), "little"), "enable": enable[k],
                   "address": addresses[k], "end": k in (jump - 1, count - 1),
                   "last": k == count - 1, "void": 0} for k in range(count)]

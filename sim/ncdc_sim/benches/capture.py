@@ -1,6 +1,6 @@
 """Capture from a sensor's pins into memory: two clocks of any ratio, every fault a sensor has.
 
-With a grid stage the sensor sends as much more as that takes off: the window counts behind it.
+With a grid stage the sensor sends as much more as that takes off: the window counts after it.
 """
 
 import random
@@ -19,7 +19,7 @@ from ncdc_spec.sensors.level import LINEAR, levelled
 __all__ = ["faults", "frames", "half_full", "restarts", "switched_off", "too_small"]
 
 FRAME, WINDOW, CORNER = (26, 14), (18, 9), (5, 3)       # width and height; left and top
-PITCH, PLACE_BYTES, FIRST = 32, 512, 1024
+PITCH, BUFFER_BYTES, FIRST = 32, 512, 1024
 CURVE = (0, 40, *range(56, 257, 16), 254, 250)
 IDLE = 200              # clocks of the sensor without an entry after which its clock has stopped
 GRID_IDLE = 1000        # the same with a grid stage, where twelve rows may come before the first
@@ -40,14 +40,14 @@ class Sensor:
     """Drives clock and pins; a frame's samples are random, and its faults are asked for."""
     def __init__(self, dut, period_ps, seed):
         self.dut, self.half = dut, period_ps // 2
-        self.chance = random.Random(seed)
+        self.rng = random.Random(seed)
         dut.clock.value = 0
 
     async def tick(self, frame=0, line=0, sample=None):
-        """One clock with these signals; what is no sample is anything."""
+        """One clock with these signals; without a sample the data are random."""
         dut = self.dut
         dut.pins__frame_valid.value, dut.pins__line_valid.value = frame, line
-        dut.pins__data.value = self.chance.getrandbits(12) if sample is None else int(sample)
+        dut.pins__data.value = self.rng.getrandbits(12) if sample is None else int(sample)
         await Timer(self.half, "ps")
         dut.clock.value = 1
         await Timer(self.half, "ps")
@@ -56,7 +56,7 @@ class Sensor:
     async def rest(self, count):
         """Clocks between two frames."""
         for _ in range(count):
-            await self.tick(line=self.chance.getrandbits(1))
+            await self.tick(line=self.rng.getrandbits(1))
 
     async def frame(self, change=lambda y, line: line, more=0, rows=None, at_row=None):
         """Send a frame of ``rows``, or ``more`` than it should have; returns its samples.
@@ -64,33 +64,33 @@ class Sensor:
         ``change(y, line)`` makes another list of (LINE_VALID, sample) of a row, ``at_row(y)`` is
         awaited before it."""
         width, height = sent()
-        samples = np.array([[self.chance.getrandbits(12) for _ in range(width)]
+        samples = np.array([[self.rng.getrandbits(12) for _ in range(width)]
                             for _ in range(rows or height + more)])
         # FRAME_VALID may rise with the first sample.
-        for _ in range(self.chance.choice((0, 0, 1, 4))):
+        for _ in range(self.rng.choice((0, 0, 1, 4))):
             await self.tick(1)
         for y, row in enumerate(samples):
             if at_row is not None:
                 await at_row(y)
             for line, sample in change(y, [(1, sample) for sample in row]):
                 await self.tick(1, line, sample)
-            for _ in range(self.chance.randrange(1, 6)):
+            for _ in range(self.rng.randrange(1, 6)):
                 await self.tick(1)
-        await self.rest(self.chance.randrange(2, 12))
+        await self.rest(self.rng.randrange(2, 12))
         return samples
 
 
 class Wait:
-    """Chance of a wait in a clock, which may change while the memory runs."""
-    def __init__(self, chance):
-        self.chance = chance
+    """Probability of a wait in a clock, which may change while the memory runs."""
+    def __init__(self, probability):
+        self.probability = probability
 
     def __gt__(self, other):
-        return self.chance > other
+        return self.probability > other
 
 
 class Writer:
-    """Gives each frame a place of its own, and knows how each ended."""
+    """Gives each frame a buffer of its own, and records how each ended."""
     def __init__(self, dut, wait):
         self.dut, self.ended, self.begun, self.content = dut, [], 0, bytearray(b"\xee" * 16384)
         self.good = []          # numbers of the frames that ended as good
@@ -99,9 +99,9 @@ class Writer:
         cocotb.start_soon(self._watch())
 
     @staticmethod
-    def place(number):
+    def address(number):
         """Byte address of a frame."""
-        return FIRST + PLACE_BYTES * number
+        return FIRST + BUFFER_BYTES * number
 
     async def _watch(self):
         dut = self.dut
@@ -110,8 +110,9 @@ class Writer:
             begins, ends, good = (bool(signal.value) for signal in (dut.begins, dut.ends, dut.good))
             await FallingEdge(dut.clk)
             if begins:
+                base = self.address(self.begun)
                 dut.area.value = pack(AREA, {
-                    "base": self.place(self.begun), "limit": self.place(self.begun) + self.bytes,
+                    "base": base, "limit": base + self.bytes,
                     "pitch": self.pitch, "width": WINDOW[0], "height": WINDOW[1]})
                 self.begun += 1
             if ends:
@@ -127,16 +128,16 @@ class Writer:
         raise AssertionError(f"{len(self.ended)} of {count} frames have ended")
 
     def frame(self, number):
-        """Bytes of the window, and whether all that is beside it is as it was."""
-        at = self.place(number)
-        rows = np.frombuffer(self.content[at:at + PLACE_BYTES], np.uint8)
+        """Bytes of the window, and whether all bytes around it are unchanged."""
+        at = self.address(number)
+        rows = np.frombuffer(self.content[at:at + BUFFER_BYTES], np.uint8)
         rows = rows[:PITCH * WINDOW[1]].reshape(WINDOW[1], PITCH)
         return rows[:, :WINDOW[0]]
 
     def check_outside(self):
-        """Nothing is written but in the places of frames that were begun."""
-        ends = [FIRST, *(self.place(k) + PITCH * WINDOW[1] for k in range(self.begun))]
-        begins = [*(self.place(k) for k in range(self.begun)), len(self.content)]
+        """Nothing is written outside the buffers of frames that were begun."""
+        ends = [FIRST, *(self.address(k) + PITCH * WINDOW[1] for k in range(self.begun))]
+        begins = [*(self.address(k) for k in range(self.begun)), len(self.content)]
         for end, begin in zip(ends, begins):
             assert set(self.content[end:begin]) <= {0xEE}
 
@@ -203,7 +204,7 @@ async def half_full(dut):
     """The queue says that it is half full when the memory waits, and not when it keeps up with the
     sensor."""
     sensor, writer = await begin(dut)
-    writer.wait.chance = 0
+    writer.wait.probability = 0
     seen = []
 
     async def watch():
@@ -219,12 +220,12 @@ async def half_full(dut):
     assert len(seen) > 50 and not (slower and any(seen)), sum(seen)
 
     async def stall(y):
-        writer.wait.chance = 1
+        writer.wait.probability = 1
 
     for _ in range(3):
         await sensor.frame(at_row=stall)
     assert seen[-1]
-    writer.wait.chance = 0
+    writer.wait.probability = 0
     await sensor.rest(max(400, 4_000_000 // settings()["camera_period_ps"]))
     assert len(writer.ended) == writer.begun and not seen[-1]
 
@@ -256,7 +257,7 @@ async def faults(dut):
     def stall(row):
         async def at_row(y):
             if y == row:
-                writer.wait.chance = 1
+                writer.wait.probability = 1
         return {"at_row": at_row}
 
     cases = [("lines", {"change": short}), ("lines", {"change": long}),
@@ -265,7 +266,7 @@ async def faults(dut):
              # Rows below the window for longer than the limit: the clock has not stopped.
              ("cut", {"more": IDLE // sent()[0] + 8}), ("cut", {"rows": 2}),
              ("stopped", {"at_row": stop}),
-             # By chance the queue may be full with the very end of a frame: not in both.
+             # The queue may happen to be full at the very end of a frame: not in both.
              ("overflows", stall(9)), ("overflows", {"more": 5} | stall(9))]
     for name, fault in cases:
         before, number = counts(dut), len(writer.ended)
@@ -274,7 +275,7 @@ async def faults(dut):
             # Until the queue is full; then a frame is missed.
             for _ in range(4):
                 await sensor.frame()
-            writer.wait.chance = settings()["wait"]
+            writer.wait.probability = settings()["wait"]
         for _ in range(20_000):
             if len(writer.ended) > number:
                 break
@@ -323,8 +324,8 @@ async def switched_off(dut):
 
 @cocotb.test()
 async def too_small(dut):
-    """A place without room for the last row, and rows longer than the pitch: the frame is bad, and
-    nothing is written beyond the place."""
+    """A buffer without space for the last row, and rows longer than the pitch: the frame is bad,
+    and nothing is written beyond the buffer."""
     sensor, writer = await begin(dut)
     for pitch, size in ((PITCH, PITCH * WINDOW[1] - 16), (16, PITCH * WINDOW[1])):
         writer.pitch, writer.bytes = pitch, size
@@ -333,7 +334,7 @@ async def too_small(dut):
         while len(writer.ended) == number:
             await sensor.tick()
         assert writer.ended[number:] == [False], pitch
-    first, second = (writer.content[writer.place(k):writer.place(k + 1)] for k in range(2))
+    first, second = (writer.content[writer.address(k):writer.address(k + 1)] for k in range(2))
     assert set(first[:PITCH * (WINDOW[1] - 1)]) != {0xEE}
     assert set(first[PITCH * (WINDOW[1] - 1):]) == {0xEE} == set(second)
     assert not any(counts(dut).values())
@@ -357,7 +358,7 @@ async def restarts(dut):
 
     for number in range(16):
         clocks_of_frame = sent()[0] * sent()[1] * period
-        cocotb.start_soon(change(sensor.chance.randrange(clocks_of_frame),
+        cocotb.start_soon(change(sensor.rng.randrange(clocks_of_frame),
                                  "rst" if number % 4 == 3 else "enable"))
         frames.append(await sensor.frame())
         await sensor.rest(40)

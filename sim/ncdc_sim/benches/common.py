@@ -1,8 +1,8 @@
-"""What the test benches share: clocking, streams with pauses, free-running pipelines.
+"""Common parts of the test benches: clocking, streams with pauses, free-running pipelines.
 
-Every process does its work around the falling edge: it sets inputs there and samples, once
-all is settled, what the next rising edge will see. This means the same in every simulator,
-whichever side of the rising edge its callbacks fall on.
+Every process does its work around the falling edge. It sets inputs there, and samples the settled
+signals that the next rising edge will see. This means the same in every simulator, whichever side
+of the rising edge its callbacks fall on.
 """
 
 import json
@@ -65,7 +65,7 @@ async def clocks(dut, count):
 async def put(dut, name, payloads, gap=0.0, seed=1):
     """Offer the packed ``payloads`` on the stream ``name``, idling with probability ``gap``.
 
-    Starts and ends behind a falling edge. The payload is scrambled while valid is low: a
+    Starts and ends after a falling edge. The payload is scrambled while valid is low: a
     consumer that looks at it then is found out.
     """
     valid, ready, payload = (getattr(dut, f"{name}__{part}")
@@ -87,9 +87,9 @@ async def put(dut, name, payloads, gap=0.0, seed=1):
 
 
 async def get(dut, name, count, stall=0.0, seed=2, limit=100000):
-    """Take ``count`` payloads from the stream ``name`` as ints, refusing with chance ``stall``.
+    """Take ``count`` payloads from the stream ``name`` as ints; ``stall``: how often ready is low.
 
-    A payload that is refused must stay valid and unchanged. ``limit``: clocks without a payload
+    A payload that is not taken must stay valid and unchanged. ``limit``: clocks without a payload
     after which the test fails.
     """
     valid, ready, payload = (getattr(dut, f"{name}__{part}")

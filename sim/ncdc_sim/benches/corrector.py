@@ -19,7 +19,7 @@ __all__ = ["two_frames_equal_model"]
 
 @cocotb.test()
 async def two_frames_equal_model(dut):
-    """Two frames, the second waiting for the first, of two pictures at two places."""
+    """Two frames, the second waiting for the first, of two pictures at two addresses."""
     s = settings()
     d = Descriptor.load(s["descriptor"])
     rng, g = np.random.default_rng(9), d.geometry

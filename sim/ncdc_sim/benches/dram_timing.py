@@ -1,8 +1,8 @@
 """The memory model with rows and banks: the clock of every word of a list of commands.
 
-Settings: ``memory`` (its settings), ``word`` (bytes), ``reads`` and ``writes`` (lists of [port,
-clock, address, words]; a command is offered from that clock on, behind the one before it on its
-port), ``clocks`` (to run). The beats are logged as one line ``BEATS`` with the clock of every beat
+Settings: ``memory`` (its settings), ``word`` (bytes), ``clocks`` (to run), ``reads`` and ``writes``
+(lists of [port, clock, address, words]). A command is offered from that clock on, after the one
+before it on its port. The beats are logged as one line ``BEATS`` with the clock of every beat
 of each port, counted from reset.
 """
 

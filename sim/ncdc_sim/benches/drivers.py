@@ -1,4 +1,4 @@
-"""The drivers in C and Python against the corrector: their bus is the simulated Avalon-MM agent."""
+"""The drivers in C and Python with the corrector: their bus is the simulated Avalon-MM agent."""
 
 import ctypes
 import runpy
@@ -23,7 +23,7 @@ __all__ = ["c_driver_alternates_lenses", "c_driver_corrects_one_frame", "c_drive
 
 _STEP = 8192        # bytes from frame to frame in memory
 _FRAMES = 5
-_REGISTERS, _BEHIND = 0x1000_0000, 0x4000_0000     # what System Console's host sees, and where
+_REGISTERS, _MEMORY = 0x1000_0000, 0x4000_0000     # what System Console's host sees, and where
 _READ = ctypes.CFUNCTYPE(ctypes.c_uint32, ctypes.c_void_p, ctypes.c_uint32)
 _WRITE = ctypes.CFUNCTYPE(None, ctypes.c_void_p, ctypes.c_uint32, ctypes.c_uint32)
 
@@ -51,11 +51,11 @@ class Bench:
         self.memory = bytearray(b"\xa5" * (_STEP * (len(self.cameras) + _FRAMES)))
         self.source = [_STEP * k for k in range(len(self.cameras))]
         self.target = _STEP * len(self.cameras)
-        for place, d, raw in zip(self.source, self.cameras, self.raws):
+        for address, d, raw in zip(self.source, self.cameras, self.raws):
             pitch = host_values(d)["SOURCE_PITCH"]
             image = raw_image(raw, pitch)
-            self.memory[place:place + len(image)] = image
-        self.sources = (Buffer * 2)(*((place, _STEP) for place in self.source))
+            self.memory[address:address + len(image)] = image
+        self.sources = (Buffer * 2)(*((address, _STEP) for address in self.source))
         self.targets = (Buffer * _FRAMES)(*((self.target + k * _STEP, _STEP)
                                             for k in range(_FRAMES)))
         self.errors = []        # ctypes drops what a callback raises
@@ -93,12 +93,12 @@ class Bench:
         return ctypes.CDLL(settings()["library"])
 
     def check(self, frames):
-        """Frame k in memory is camera k mod n's, for every k below ``frames``; none is behind."""
+        """Frame k in memory is camera k mod n's, for every k below ``frames``; no other follows."""
         assert not self.errors, self.errors
         for k in range(_FRAMES):
             d, raw = (part[k % len(self.cameras)] for part in (self.cameras, self.raws))
-            place, size = self.target + k * _STEP, frame_bytes(d.geometry)
-            stored = np.frombuffer(bytes(self.memory[place:place + _STEP]), np.uint8)
+            address, size = self.target + k * _STEP, frame_bytes(d.geometry)
+            stored = np.frombuffer(bytes(self.memory[address:address + _STEP]), np.uint8)
             if k >= frames:
                 assert (stored == 0xA5).all(), f"frame {k} was written"
                 continue
@@ -110,7 +110,7 @@ class Bench:
 
 @cocotb.test()
 async def c_driver_corrects_one_frame(dut):
-    """The first sample: load, place, start, wait, counters."""
+    """The first sample: load, set addresses, start, wait, counters."""
     bench = Bench(dut)
     device, library = bench.device(*await bench.begin()), bench.library()
     counters = (ctypes.c_uint32 * len(settings()["counters"]))()
@@ -137,7 +137,7 @@ async def c_driver_alternates_lenses(dut):
 
 @cocotb.test()
 async def c_driver_names_errors(dut):
-    """What the driver refuses, and that it leaves a waiting commit alone."""
+    """The driver's errors, and that it leaves a waiting commit alone."""
     bench = Bench(dut)
     read, write = await bench.begin()
     device, library = bench.device(read, write), bench.library()
@@ -160,7 +160,7 @@ async def c_driver_names_errors(dut):
         assert library.ncdc_place(here, lens, bench.sources, bench.targets) == 3, "a commit waits"
         assert [read(offset) for offset in range(0x20, 0x58, 4)] == before
         assert library.ncdc_wait(here, 0) == 0
-        # A frame of nonsense is refused, and named.
+        # A frame with invalid parameters is rejected with its fault.
         write(0x24, 0)
         library.ncdc_commit_and_start(here)
         assert library.ncdc_wait(here, 0) == 11, "pitch 0"
@@ -185,7 +185,7 @@ async def c_driver_names_errors(dut):
         assert library.ncdc_wait(here, 0) == 6, "aborted"
         other = bench.device(lambda offset: read(offset + 4), write)
         assert library.ncdc_check(ctypes.byref(other)) == 1, "no ID"
-        # Somebody else commits between the driver's look at STATUS and its writes.
+        # Another master commits between the driver's read of STATUS and its writes.
         stolen = bench.device(lambda offset: read(offset) & ~8, write)
         library.ncdc_start(here)
         library.ncdc_commit(here)
@@ -205,7 +205,7 @@ async def python_driver_alternates_lenses(dut):
     sys.path.insert(0, settings()["python"])
     sample = runpy.run_path(f"{settings()['python']}/samples.py")
     counters = await bridge(lambda: sample["alternate"](
-        read, write, [(place, _STEP) for place in bench.source],
+        read, write, [(address, _STEP) for address in bench.source],
         [(bench.target + k * _STEP, _STEP) for k in range(_FRAMES)]))()
     bench.check(_FRAMES)
     assert counters["FRAMES"] == _FRAMES
@@ -225,7 +225,7 @@ class Console:
         self.bench, self.read, self.write = bench, read, write
 
     def run(self, commands):
-        """What the shell prints, beside its questions, for Tcl ``commands``."""
+        """Output of the shell, without its prompts, for Tcl ``commands``."""
         with tempfile.NamedTemporaryFile("w", suffix=".tcl") as script:
             script.write(commands)
             script.flush()
@@ -248,7 +248,7 @@ class Console:
             return self.read(int(words[0]) - _REGISTERS)
         if kind == "write":
             return self.write(int(words[0]) - _REGISTERS, int(words[1]))
-        path, at = Path(words[0]), int(words[1]) - _BEHIND
+        path, at = Path(words[0]), int(words[1]) - _MEMORY
         if kind == "from":
             data = path.read_bytes()
             assert 0 <= at <= at + len(data) <= len(memory)
@@ -267,7 +267,7 @@ async def console_corrects_frames(dut):
     with tempfile.TemporaryDirectory() as folder:
         for name, raw in zip(("wide", "tele"), bench.raws):
             Path(folder, f"{name}.raw").write_bytes(raw.tobytes())
-        connect = f"ncdc::connect {_REGISTERS} {_BEHIND}\n"
+        connect = f"ncdc::connect {_REGISTERS} {_MEMORY}\n"
         said = await bridge(lambda: console.run(
             f"cd {folder}\n" + connect + "".join(
                 f"ncdc::load {name}\nputs [ncdc::correct {name}.raw {name}.ppm 4096]\n"

@@ -1,4 +1,4 @@
-"""Frames through a MAC and its interface, against cocotbext-eth's PHYs, both ways at once."""
+"""Frames through a MAC and its interface to cocotbext-eth's PHYs, both ways at once."""
 
 import random
 
@@ -27,7 +27,7 @@ def _phy(dut, interface, speed):
 
 
 async def _send(dut, frames, rng, pause):
-    """``frames`` as words of four bytes, with short pauses by chance."""
+    """``frames`` as words of four bytes, with short random pauses."""
     for frame in frames:
         for start in range(0, len(frame), 4):
             while rng.random() < pause:
@@ -67,22 +67,22 @@ def filled(frame):
 
 
 def _damaged(frame, rng):
-    """A frame on the wire that must not pass: an error told by the chip, or a wrong bit."""
+    """A frame on the wire that must not pass: an error signalled by the chip, or a wrong bit."""
     wire = GmiiFrame.from_payload(frame)
-    place = rng.randrange(12, len(wire.data) - 1)
+    at = rng.randrange(12, len(wire.data) - 1)
     if rng.random() < .5:
-        wire.error = [int(k == place) for k in range(len(wire.data))]
+        wire.error = [int(k == at) for k in range(len(wire.data))]
     else:
-        wire.data[place] ^= 1 << rng.randrange(8)
+        wire.data[at] ^= 1 << rng.randrange(8)
     return wire
 
 
 @cocotb.test()
 async def frames_pass(dut):
-    """Random frames both ways, each once, whole, in order; bad ones are marked, gaps are kept."""
-    told = settings()
-    interface, speed = told["interface"], told["speed"]
-    rng = random.Random(told["seed"])
+    """Random frames both ways, each once, whole, in order; bad ones marked, with full gaps."""
+    s = settings()
+    interface, speed = s["interface"], s["speed"]
+    rng = random.Random(s["seed"])
     dut.rst.value = 1
     dut.speed.value = (10, 100, 1000).index(speed)
     for name in ("sink_valid", "rx_dv", "rx_er", "rx_data", "mii_tx_clk"):
@@ -93,21 +93,21 @@ async def frames_pass(dut):
     await Timer(4, "us")        # the chip's reset, 256 clocks
 
     if interface == "rgmii":
-        await _status_is_told(dut, rng.randrange(16), speed)
+        await _status_is_read(dut, rng.randrange(16), speed)
 
     def some(count, longest):
         return [rng.randbytes(rng.choice((_SHORTEST, 60, 61, 62, 63, longest,
                                           rng.randint(_SHORTEST, longest))))
                 for _ in range(count)]
 
-    longest = min(_LONGEST, told["longest"])
-    sent, coming = some(told["frames"], longest), some(told["frames"], longest)
+    longest = min(_LONGEST, s["longest"])
+    sent, coming = some(s["frames"], longest), some(s["frames"], longest)
     got = []
     cocotb.start_soon(_receive(dut, got))
-    sender = cocotb.start_soon(_send(dut, sent, rng, told["pause"]))
+    sender = cocotb.start_soon(_send(dut, sent, rng, s["pause"]))
     expected = []
     for frame in coming:
-        bad = rng.random() < told["bad"]
+        bad = rng.random() < s["bad"]
         await phy.rx.send(_damaged(frame, rng) if bad
                           else GmiiFrame.from_payload(frame))
         expected.append((filled(frame), bad))
@@ -118,11 +118,11 @@ async def frames_pass(dut):
     _compare_received(got, expected)
 
 
-async def _status_is_told(dut, status, speed):
-    """What the chip tells on its idle wires stands in the register."""
+async def _status_is_read(dut, status, speed):
+    """The chip's status on its idle wires is in the register."""
     dut.rx_data.value = status
     await Timer(200 + 40_000 // speed, "ns")
-    assert int(dut.status.value) == status, f"{int(dut.status.value)} is told, {status} is right"
+    assert int(dut.status.value) == status, f"{int(dut.status.value)} is read, {status} is right"
     dut.rx_data.value = 0
 
 
@@ -135,7 +135,7 @@ async def _compare_sent(phy, sent, speed):
         assert wire.get_payload() == filled(frame), f"frame {number} is sent wrong"
         if end is not None:
             gap = (wire.sim_time_start - end) / 1000 * speed / 1000
-            assert gap >= GAP_BITS - .01, f"{gap} bits before frame {number}, 96 are the least"
+            assert gap >= GAP_BITS - .01, f"{gap} bits before frame {number}, 96 are the minimum"
         end = wire.sim_time_end
     assert phy.tx.empty(), "more frames are sent than were given"
 

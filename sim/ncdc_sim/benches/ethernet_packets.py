@@ -18,31 +18,31 @@ __all__ = ["a_picture_leaves"]
 @cocotb.test()
 async def a_picture_leaves(dut):
     """Each packet once, whole, in order, without an error, no slower than asked for."""
-    told = settings()
+    s = settings()
     phy = RgmiiPhy(dut.tx_data, dut.tx_en, dut.tx_clk, dut.rx_data, dut.rx_dv, dut.rx_clk)
     await start(dut, csr__read=0, csr__write=0, memory_rst=1, bus__waitrequest=0)
     dut.memory_rst.value = 0
-    link = Link(dut, told["seed"])
-    cocotb.start_soon(read_memory(dut, "bus", link.content, wait=told["wait"],
-                                  latency=tuple(told["latency"])))
+    link = Link(dut, s["seed"])
+    cocotb.start_soon(read_memory(dut, "bus", link.content, wait=s["wait"],
+                                  latency=tuple(s["latency"])))
     await Timer(4, "us")        # the chip's reset, 256 clocks
-    picture = (format_of_name("BayerGB8"), told["width"], told["height"])
-    headers = gvsp_headers(SOURCE, TARGET, picture, 7, 123_456_789_012, told["payload"])
+    picture = (format_of_name("BayerGB8"), s["width"], s["height"])
+    headers = gvsp_headers(SOURCE, TARGET, picture, 7, 123_456_789_012, s["payload"])
     await link.prepare(headers, 0)
     await link.put(CONTROL=CONTROL_SEND)
     first = end = None
-    for place, expected in enumerate(link.frame(headers, 0)):
+    for number, expected in enumerate(link.frame(headers, 0)):
         wire = await with_timeout(phy.tx.recv(), 200, "us")
-        assert not any(wire.error or ()), f"packet {place} is sent with an error"
-        assert wire.check_fcs(), f"packet {place} is sent with a wrong check sequence"
-        assert wire.get_payload() == filled(expected), f"packet {place} is sent wrong"
+        assert not any(wire.error or ()), f"packet {number} is sent with an error"
+        assert wire.check_fcs(), f"packet {number} is sent with a wrong check sequence"
+        assert wire.get_payload() == filled(expected), f"packet {number} is sent wrong"
         assert end is None or wire.sim_time_start - end >= GAP_BITS * 1000, \
-            f"the gap before packet {place} is too short"
+            f"the gap before packet {number} is too short"
         end = wire.sim_time_end
-        if place == 1:
+        if number == 1:
             first = wire.sim_time_start
-        if place == headers.packets:
+        if number == headers.packets:
             rate = len(link.content) / ((end + GAP_BITS * 1000 - first) / 1e6)
     print(f"MEGABYTES_PER_SECOND {rate:.2f}")
-    assert rate >= told["least"], f"{rate:.2f} MB/s"
+    assert rate >= s["min_rate"], f"{rate:.2f} MB/s"
     assert phy.tx.empty()

@@ -10,28 +10,28 @@ from cocotbext.i2c import I2cDevice, I2cMemory
 from ncdc_hdl.camera.i2c import COMMAND, RESULT
 from ncdc_sim.benches.common import PERIOD, clocks, pack, settings, start, unpack
 
-__all__ = ["a_held_clock", "a_stuck_target", "arbitration", "memory", "nobody_there", "stretching"]
+__all__ = ["a_held_clock", "a_stuck_target", "arbitration", "memory", "no_target", "stretching"]
 
 TARGET, ABSENT = 0x50, 0x21
 LIMIT = 1500
 
 
 class Line:
-    """What one participant makes of a line: 0 pulls it low."""
+    """One participant's output to a line: 0 pulls it low."""
     def __init__(self):
         self.value = 1
 
     def setimmediatevalue(self, value):
-        """As of a simulator's handle."""
+        """The value, as of a simulator's handle."""
         self.value = value
 
 
 class Bus:
     """Both lines, each low if anybody pulls it low; watches what the controller does to them.
 
-    The lines change behind a falling edge of the controller's clock, or with the setting ``wander``
+    The lines change after a falling edge of the controller's clock, or with the setting ``wander``
     at any time until the next one. ``shortest`` are the fewest clocks for which SCL was low, and
-    high, behind its first edge.
+    high, after its first edge.
     """
     def __init__(self, dut, *targets):
         self.dut, self.scl, self.sda = dut, [Line()], [Line()]
@@ -48,10 +48,10 @@ class Bus:
                 "sda_o": self.sda[-1]}
 
     async def _join(self):
-        dut, chance, wander = self.dut, random.Random(4), settings().get("wander", False)
+        dut, rng, wander = self.dut, random.Random(4), settings().get("wander", False)
         while True:
             if wander:
-                await Timer(chance.randrange(1, 1000 * PERIOD), "ps")
+                await Timer(rng.randrange(1, 1000 * PERIOD), "ps")
             dut.scl.value = int(not dut.scl_low.value and all(int(one.value) for one in self.scl))
             dut.sda.value = int(not dut.sda_low.value and all(int(one.value) for one in self.sda))
             await FallingEdge(dut.clk)
@@ -97,7 +97,7 @@ async def command(dut, **fields):
 
 
 async def write(dut, address, data):
-    """Write bytes behind a START; every one must be acknowledged."""
+    """Write bytes after a START; every one must be acknowledged."""
     for k, byte in enumerate([address << 1, *data]):
         result = await command(dut, data=byte, write=1, start=k == 0, stop=k == len(data))
         assert (result.nack, result.lost, result.timeout) == (0, 0, 0), k
@@ -129,23 +129,23 @@ def lets_go(dut):
 @cocotb.test()
 async def memory(dut):
     """Random bytes, written and read back; the bits are no shorter than they may be."""
-    bus, chance, expected = await begin(dut, memory_target), random.Random(3), bytearray(256)
+    bus, rng, expected = await begin(dut, memory_target), random.Random(3), bytearray(256)
     for _ in range(4):
-        at, count = chance.randrange(200), chance.randrange(1, 6)
-        expected[at:at + count] = data = chance.randbytes(count)
+        at, count = rng.randrange(200), rng.randrange(1, 6)
+        expected[at:at + count] = data = rng.randbytes(count)
         await write(dut, TARGET, [at, *data])
-        at, count = chance.randrange(200), chance.randrange(1, 6)
+        at, count = rng.randrange(200), rng.randrange(1, 6)
         assert await read(dut, TARGET, at, count) == expected[at:at + count]
         assert lets_go(dut)
     assert bus.targets[0].read_mem(0, 256) == expected
     # A line that changes at any time may be seen a clock later when it falls.
-    least = 2 * settings()["quarter"] - settings().get("wander", False)
-    assert min(bus.shortest) >= least, bus.shortest
+    minimum = 2 * settings()["quarter"] - settings().get("wander", False)
+    assert min(bus.shortest) >= minimum, bus.shortest
 
 
 @cocotb.test()
-async def nobody_there(dut):
-    """No acknowledge is told, and the bus works afterwards."""
+async def no_target(dut):
+    """A missing acknowledge is reported, and the bus works afterwards."""
     await begin(dut, memory_target)
     result = await command(dut, data=ABSENT << 1, write=1, start=1, stop=1)
     assert (result.nack, result.lost, result.timeout) == (1, 0, 0) and lets_go(dut)

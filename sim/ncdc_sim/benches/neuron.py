@@ -1,4 +1,4 @@
-"""Neurons, clock by clock, against ``hidden_neuron`` and ``output_neuron`` of the golden model."""
+"""Neurons, clock by clock: ``hidden_neuron`` and ``output_neuron`` of the golden model."""
 
 import cocotb
 import numpy as np

@@ -1,4 +1,4 @@
-"""The packetiser: every packet of frames in memory, what is sent again, what is refused."""
+"""The packetiser: packets of frames in memory, packets sent again, rejected writes."""
 
 import random
 import struct
@@ -29,7 +29,7 @@ from ncdc_spec.registers.link_map import (
     TEMPLATES,
 )
 
-__all__ = ["aborted", "again", "any_headers", "far", "gvsp", "mraw", "pauses", "refused",
+__all__ = ["aborted", "again", "any_headers", "far", "gvsp", "mraw", "pauses", "rejected",
            "registers", "restarts"]
 
 SOURCE = Endpoint(bytes.fromhex("02004e434443"), bytes([10, 77, 0, 11]), 49152)
@@ -42,8 +42,8 @@ class Link:
 
     def __init__(self, dut, seed):
         self.dut, self.host = dut, Host(dut, "csr")
-        self.chance = random.Random(seed)
-        self.content = self.chance.randbytes(settings()["bytes"])
+        self.rng = random.Random(seed)
+        self.content = self.rng.randbytes(settings()["bytes"])
         self.packets = []           # that have come, as bytes
         self.began, self.ended = [], []     # clocks of the first and of the last beat of each
         self.clock, self.taken = 0, 0       # now, and of the last beat
@@ -52,10 +52,10 @@ class Link:
 
     def random_ready(self):
         """Whether a beat is taken in this clock."""
-        return self.chance.random() >= self.stall
+        return self.rng.random() >= self.stall
 
     def gigabit_ready(self):
-        """A port of a byte per clock: a beat in four, and behind a packet 24 bytes of check sum,
+        """A port of a byte per clock: a beat in four, and after a packet 24 bytes of check sum,
         gap and preamble."""
         wait = 4 + 24 * (self.ended[-1:] == [self.taken])
         return self.clock + 1 - self.taken >= wait
@@ -104,8 +104,8 @@ class Link:
             at = TEMPLATES + TEMPLATE_WORDS * number
             await self.host.write(at, len(header))
             for word in range(-(-len(header) // 4)):
-                # What is behind the end is anything.
-                four = (header + self.chance.randbytes(4))[4 * word:4 * word + 4]
+                # The bytes after the end are random.
+                four = (header + self.rng.randbytes(4))[4 * word:4 * word + 4]
                 await self.host.write(at + 1 + word, int.from_bytes(four, "little"))
 
     async def prepare(self, headers, base, delay=0):
@@ -124,19 +124,19 @@ class Link:
                 return status
         raise AssertionError(f"still sending: {status:#x}")
 
-    def packet(self, headers, base, place):
-        """The packet at a place of a frame, 0 for the leader; empty if there is none."""
+    def packet(self, headers, base, position):
+        """Packet number ``position`` of a frame, 0 for the leader; empty if there is none."""
         payload, kind = b"", "leader"
-        if place > headers.packets:
+        if position > headers.packets:
             kind = "trailer"
-        elif place:
-            kind = "payload" if place < headers.packets else "last"
-            at = base + (place - 1) * headers.payload_bytes
-            length = headers.payload_bytes if place < headers.packets else headers.last_bytes
+        elif position:
+            kind = "payload" if position < headers.packets else "last"
+            at = base + (position - 1) * headers.payload_bytes
+            length = headers.payload_bytes if position < headers.packets else headers.last_bytes
             payload = self.content[at:at + length]
         header = bytearray(getattr(headers, kind))
         at, count = headers.field
-        number = (headers.first - 1 + place) % (1 << NUMBER_BITS)
+        number = (headers.first - 1 + position) % (1 << NUMBER_BITS)
         field = number.to_bytes(4, "big")[4 - count:] if count else b""
         stop = min(at + count, len(header))
         header[at:stop] = field[:max(0, stop - at)]
@@ -144,8 +144,8 @@ class Link:
 
     def frame(self, headers, base):
         """All packets of a frame, in order."""
-        return [packet for place in range(headers.packets + 2)
-                if (packet := self.packet(headers, base, place))]
+        return [packet for position in range(headers.packets + 2)
+                if (packet := self.packet(headers, base, position))]
 
     def take(self, expected):
         """These packets have come, and no others."""
@@ -202,25 +202,25 @@ async def mraw(dut):
     link.take(expected)
 
 
-def some_headers(chance, largest):
-    """Headers of any length, a field anywhere in or beside them."""
-    def header(least):
-        return chance.randbytes(chance.choice((0, least, chance.randrange(least, 90))))
-    payload = 16 * chance.randrange(1, largest // 16 + 1)
+def some_headers(rng, largest):
+    """Headers of any length, a field anywhere in or after them."""
+    def header(minimum):
+        return rng.randbytes(rng.choice((0, minimum, rng.randrange(minimum, 90))))
+    payload = 16 * rng.randrange(1, largest // 16 + 1)
     return Headers(header(1), header(0), header(0), header(1),
-                   (chance.randrange(0, 90), chance.randrange(0, 5)),
-                   chance.choice((0, 1, 5, 0x123456)), payload, chance.randrange(1, 6),
-                   chance.randrange(1, payload + 1))
+                   (rng.randrange(0, 90), rng.randrange(0, 5)),
+                   rng.choice((0, 1, 5, 0x123456)), payload, rng.randrange(1, 6),
+                   rng.randrange(1, payload + 1))
 
 
 @cocotb.test()
 async def any_headers(dut):
-    """Headers and payloads of any length, numbers anywhere, one frame at once behind the other."""
+    """Headers and payloads of any length, numbers anywhere, one frame right after the other."""
     link = await begin(dut)
     expected = []
     for _ in range(settings()["frames"]):
-        headers = some_headers(link.chance, settings()["payload"])
-        base = 16 * link.chance.randrange(0, 64)
+        headers = some_headers(link.rng, settings()["payload"])
+        base = 16 * link.rng.randrange(0, 64)
         await link.prepare(headers, base)
         await link.put(CONTROL=CONTROL_SEND)
         expected += link.frame(headers, base)
@@ -232,22 +232,22 @@ async def any_headers(dut):
 async def again(dut):
     """Ranges of a frame and of the one before, while packets are sent and after them."""
     link = await begin(dut)
-    chance, before, resent = link.chance, None, 0
+    rng, before, resent = link.rng, None, 0
     for number in range(settings()["frames"]):
-        headers = some_headers(chance, settings()["payload"])
-        headers = replace(headers, leader=chance.randbytes(9), trailer=chance.randbytes(6),
+        headers = some_headers(rng, settings()["payload"])
+        headers = replace(headers, leader=rng.randbytes(9), trailer=rng.randbytes(6),
                           payload_bytes=32, packets=4, last_bytes=17, first=1, field=(2, 3))
-        base = 16 * chance.randrange(0, 64)
+        base = 16 * rng.randrange(0, 64)
         await link.prepare(headers, base)
         await link.put(CONTROL=CONTROL_SEND)
         expected = link.frame(headers, base)
         for _ in range(3):
-            first, last = chance.randrange(0, 9), chance.randrange(0, 9)
-            of = chance.choice([(headers, base, 0)] + [before] * (before is not None))
+            first, last = rng.randrange(0, 9), rng.randrange(0, 9)
+            of = rng.choice([(headers, base, 0)] + [before] * (before is not None))
             await link.put(RESEND_FIRST=first, RESEND_LAST=last | of[2])
-            places = range(first, min(last, 5) + 1)
-            expected += [link.packet(of[0], of[1], place) for place in places]
-            resent += len(places)
+            positions = range(first, min(last, 5) + 1)
+            expected += [link.packet(of[0], of[1], position) for position in positions]
+            resent += len(positions)
             status = await link.settled(STATUS_RESENDING)
             assert status & (STATUS_RESENT | STATUS_REFUSED) == STATUS_RESENT
         await link.settled()
@@ -260,22 +260,22 @@ async def again(dut):
 
 @cocotb.test()
 async def far(dut):
-    """Ranges far behind the beginning of a frame, of which nothing else is sent."""
+    """Ranges far from the beginning of a frame, of which nothing else is sent."""
     link = await begin(dut)
     for payload, packets in ((16, 500), (48, 160)):
-        headers = Headers(b"", link.chance.randbytes(7), b"last", b"", (1, 3), 9, payload, packets,
+        headers = Headers(b"", link.rng.randbytes(7), b"last", b"", (1, 3), 9, payload, packets,
                           payload - 3)
-        base = 16 * link.chance.randrange(0, 20)
+        base = 16 * link.rng.randrange(0, 20)
         await link.prepare(headers, base)
         await link.put(CONTROL=CONTROL_SEND)
         await link.put(CONTROL=CONTROL_ABORT)
         await link.settled()
         link.packets = []
-        for first in (1, packets, *(link.chance.randrange(1, packets) for _ in range(6))):
+        for first in (1, packets, *(link.rng.randrange(1, packets) for _ in range(6))):
             await link.put(RESEND_FIRST=first + 8, RESEND_LAST=first + 9)
             await link.settled()
-            link.take([packet for place in (first, first + 1)
-                       if (packet := link.packet(headers, base, place))])
+            link.take([packet for position in (first, first + 1)
+                       if (packet := link.packet(headers, base, position))])
 
 
 @cocotb.test()
@@ -314,7 +314,7 @@ async def pauses(dut):
 # Without rates there is nothing to measure: most runs have pauses, which this test must not.
 @cocotb.test(skip=not settings()["rate"])
 async def rate(dut):
-    """A gigabit port with the clock of the core is never kept waiting."""
+    """A gigabit port with the clock of the core never has to wait."""
     link = await begin(dut)
     link.ready = link.gigabit_ready
     for payload in settings()["rate"]:
@@ -335,8 +335,8 @@ async def rate(dut):
 
 
 @cocotb.test()
-async def refused(dut):
-    """What would spoil packets is not done, and told."""
+async def rejected(dut):
+    """Writes that would corrupt packets are rejected and reported."""
     link = await begin(dut)
     headers = gvsp_headers(SOURCE, TARGET, (format_of_name("Mono8"), 64, 16), 1, 0, 128)
     await link.put(RESEND_FIRST=0, RESEND_LAST=1)
@@ -371,7 +371,7 @@ async def refused(dut):
 
 @cocotb.test()
 async def aborted(dut):
-    """No packet behind those on their way; the next frame is right."""
+    """No packet after those on their way; the next frame is right."""
     link = await begin(dut)
     headers = gvsp_headers(SOURCE, TARGET, (format_of_name("Mono8"), 64, 40), 1, 0, 64)
     await link.prepare(headers, 0)
@@ -384,7 +384,7 @@ async def aborted(dut):
     link.take(whole[:len(link.packets)])
     await link.put(CONTROL=CONTROL_SEND)
     await link.settled()
-    # The other set of headers: nobody has written it.
+    # The other set of headers, which was not written.
     link.packets = []
     await link.prepare(headers, 48)
     await link.put(CONTROL=CONTROL_SEND)
@@ -394,15 +394,15 @@ async def aborted(dut):
 
 @cocotb.test()
 async def restarts(dut):
-    """A reset at any time: behind it, packets are whole and right."""
+    """A reset at any time: after it, packets are whole and right."""
     link = await begin(dut)
     headers = gvsp_headers(SOURCE, TARGET, (format_of_name("Mono8"), 64, 20), 1, 0, 64)
     for _ in range(settings()["frames"]):
         await link.prepare(headers, 16)
         await link.put(CONTROL=CONTROL_SEND)
-        await clocks(dut, link.chance.randrange(1, 300))
+        await clocks(dut, link.rng.randrange(1, 300))
         dut.rst.value = 1
-        await clocks(dut, link.chance.randrange(1, 4))
+        await clocks(dut, link.rng.randrange(1, 4))
         dut.rst.value = 0
         assert all(packet in link.frame(headers, 16) for packet in link.packets)
         link.packets = []

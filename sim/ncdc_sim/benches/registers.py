@@ -46,7 +46,7 @@ async def reset_values(dut):
 
 @cocotb.test()
 async def every_bit_is_kept(dut):
-    """What is written is read, cut to the register's width and extended by its sign."""
+    """Written values are read back, cut to the register's width and extended by its sign."""
     host, rows, _ = await prepare(dut)
     rng = random.Random(1)
     written = {name: rng.getrandbits(32) for name, r in rows.items()
@@ -102,21 +102,20 @@ async def table(dut, entries):
     rng, asked = random.Random(2), None
     while True:
         await ReadOnly()
-        place = int(dut.valid_table__row.value), int(dut.valid_table__span.value)
+        at = int(dut.valid_table__row.value), int(dut.valid_table__span.value)
         write, read = bool(dut.valid_table__write.value), bool(dut.valid_table__read.value)
         if write:
-            entries[place] = (int(dut.valid_table__start.value),
-                              int(dut.valid_table__stop.value))
+            entries[at] = int(dut.valid_table__start.value), int(dut.valid_table__stop.value)
         await FallingEdge(dut.clk)
         # Between reads the scan uses the table's port: something else stands there.
         answer = entries[asked] if asked else (rng.getrandbits(13), rng.getrandbits(13))
-        asked = place if read else None
+        asked = at if read else None
         dut.valid_table__read_start.value, dut.valid_table__read_stop.value = answer
 
 
 @cocotb.test()
 async def table_of_valid_rows(dut):
-    """Every span of the first, some and the last rows goes to its place and comes back."""
+    """Every span of the first, some and the last rows is written and read back."""
     host, _, _ = await prepare(dut)
     entries, rng = {}, random.Random(3)
     cocotb.start_soon(table(dut, entries))

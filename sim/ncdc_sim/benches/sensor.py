@@ -1,5 +1,5 @@
 """The Verilog model of a sensor: its registers by the controller of cocotbext-i2c, its frames
-against the twin."""
+compared with the reference model."""
 
 import cocotb
 import numpy as np
@@ -8,7 +8,7 @@ from cocotb.triggers import FallingEdge, ReadOnly, RisingEdge, Timer, with_timeo
 from cocotbext.i2c import I2cMaster
 
 from ncdc_sim.benches.common import PERIOD, settings
-from ncdc_sim.sensor.twin import raw_frames
+from ncdc_sim.sensor.reference import raw_frames
 from ncdc_sim.sensor.verilog import Light
 from ncdc_spec.sensors.catalogue import sensor_named, setup
 from ncdc_spec.sensors.sensor import Settings
@@ -35,7 +35,7 @@ class Host:
         await self.bus.send_stop()
 
     async def read(self, register, count=1):
-        """The values of ``count`` registers, one behind the other."""
+        """The values of ``count`` registers, one after the other."""
         sensor, size = self.sensor, self.sensor.value_bits // 8
         await self.bus.write(sensor.i2c_address,
                              register.to_bytes(sensor.pointer_bits // 8, "big"))
@@ -79,18 +79,18 @@ async def frame_of(dut):
 
 
 def asked():
-    """The set-up and the light that the bench was given."""
+    """The configuration and the light that the bench was given."""
     given = settings()
     sensor = sensor_named(given["sensor"])
-    shape, place = given["shape"], given["place"]
-    light = Light(np.fromfile(LIGHT, "<u2").reshape(shape), *place, given["nominal"])
+    shape, corner = given["shape"], given["corner"]
+    light = Light(np.fromfile(LIGHT, "<u2").reshape(shape), *corner, given["nominal"])
     return setup(sensor, Settings(**given["asked"])), light
 
 
 @cocotb.test()
 async def frames(dut):
-    """Written registers read back; every sample is as the twin says, and lines and frames take as
-    long as the set-up says."""
+    """Written registers read back; samples are the reference model's, lines and frames take the
+    configured times."""
     given, light = asked()
     await begin(dut)
     host, timing = Host(dut, given.sensor), given.timing

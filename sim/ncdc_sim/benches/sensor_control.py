@@ -33,8 +33,8 @@ async def read(dut, sensor, register):
     return value
 
 
-async def refused(dut, sensor, kind):
-    """The START of the fault: the controller tells what is wrong, and the bus works again."""
+async def failed_start(dut, sensor, kind):
+    """The START of the fault: the controller reports what is wrong, and the bus works again."""
     address = sensor.i2c_address << 1
     if kind == "nack":
         result = await command(dut, data=address, write=1, start=1, stop=1)
@@ -43,7 +43,7 @@ async def refused(dut, sensor, kind):
     result = await command(dut, data=address, write=1, start=1)
     assert (result.nack, result.lost) == (0, 0)
     result = await command(dut, data=0xFF, write=1, stop=1)
-    assert result.lost == 1, "SDA is stuck, and nobody has seen it"
+    assert result.lost == 1, "SDA is stuck, and this is not reported"
     result = await command(dut, data=address, write=1, start=1, stop=1)
     assert result.lost == 1
     # Nine clocks free the target.
@@ -56,7 +56,7 @@ async def refused(dut, sensor, kind):
 
 @cocotb.test()
 async def set_up(dut):
-    """Every register of the set-up reads back as it was written last; then frames come."""
+    """Every register of the configuration reads back as it was written last; then frames come."""
     given = settings()
     sensor = sensor_named(given["sensor"])
     plan = setup(sensor, Settings(**given["asked"]))
@@ -65,12 +65,12 @@ async def set_up(dut):
     for register, value in sensor.chip_id:
         assert await read(dut, sensor, register) == value
     if given["fault"]:
-        await refused(dut, sensor, given["fault"])
+        await failed_start(dut, sensor, given["fault"])
     written = {}
     for k, (register, value) in enumerate(plan.pairs):
         assert dut.frame_valid.value == 0 or k < len(plan.pairs) - 1
         await write(dut, sensor.i2c_address, bytes_of(sensor, register, value))
-        # Behind a page register others are at the same addresses.
+        # After a write to a page register others are at the same addresses.
         written = {} if register == 0xF0 else written
         written[register] = value
     limit = 2 * plan.timing.frame_clocks * 10

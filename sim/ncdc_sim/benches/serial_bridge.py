@@ -12,13 +12,13 @@ from ncdc_spec.protocols.serial_link import BAD, crc8, read_request, write_reque
 __all__ = ["noise_and_wrong_checks", "words_come_and_go"]
 
 
-async def agent(dut, words, chance):
+async def agent(dut, words, rng):
     """Answers accesses out of ``words``, after some clocks."""
     while True:
         await RisingEdge(dut.clk)
         dut.access__done.value = 0
         if dut.access__valid.value and not dut.access__done.value:
-            await ClockCycles(dut.clk, chance.randrange(1, 20))
+            await ClockCycles(dut.clk, rng.randrange(1, 20))
             address = int(dut.access__address.value)
             if dut.access__write.value:
                 words[address] = int(dut.access__word.value)
@@ -30,7 +30,7 @@ async def agent(dut, words, chance):
 
 
 async def begin(dut):
-    """Both ends of the line, and the registers behind the bridge."""
+    """Both ends of the line, and the registers at the bridge."""
     await start(dut)
     rate = round(1e9 / (PERIOD * settings()["divisor"]) * (1 + settings().get("off", 0)))
     source, sink = UartSource(dut.receive, baud=rate), UartSink(dut.send, baud=rate)
@@ -53,17 +53,17 @@ async def ask(dut, source, sink, request, size):
 @cocotb.test()
 async def words_come_and_go(dut):
     source, sink, words = await begin(dut)
-    chance, kept = random.Random(2), {}
+    rng, written = random.Random(2), {}
     for _ in range(12):
-        address, word = chance.randrange(1 << 15), chance.randrange(1 << 32)
-        kept[address] = word
+        address, word = rng.randrange(1 << 15), rng.randrange(1 << 32)
+        written[address] = word
         answer = await ask(dut, source, sink, write_request(address, word), 2)
         assert answer == b"w" + bytes([crc8(b"w")])
-        address = chance.choice(list(kept))
+        address = rng.choice(list(written))
         answer = await ask(dut, source, sink, read_request(address), 6)
-        assert answer[:5] == b"r" + kept[address].to_bytes(4, "big")
+        assert answer[:5] == b"r" + written[address].to_bytes(4, "big")
         assert answer[5] == crc8(answer[:5])
-    assert words == kept
+    assert words == written
 
 
 @cocotb.test()

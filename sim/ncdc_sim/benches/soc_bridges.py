@@ -1,9 +1,9 @@
 """Bridges of the system on a chip: random gaps and stalls on both sides, resets amid the traffic.
 
-The controller's side behaves as LiteDRAM's native port: it takes commands when it likes, asks for
-the words of those it took and answers reads in order, and waits for neither words nor a user. The
-bridges' ``reset`` resets them with the hosts on their near side and the controller behind them, as
-in the system, where all have one reset: what was under way is then nobody's any more.
+The controller's side behaves as LiteDRAM's native port. It takes commands at any time, asks for
+the words of accepted writes, and answers reads in order. It waits for neither words nor readers.
+The bridges' ``reset`` resets the hosts on their near side and the controller as well. All have one
+reset in the system: accesses under way are dropped.
 """
 
 import random
@@ -16,11 +16,11 @@ from ncdc_sim.benches.common import clocks, settings, start
 __all__ = ["bursts_are_kept", "registers_are_kept"]
 
 _WORDS = 256            # of the memory and of the registers
-_PATIENCE = 4000        # clocks for one burst
+_TIMEOUT = 4000        # clocks for one burst
 
 
 class _Controller:
-    """Memory behind a native port, ``wait``: chance that it does nothing in a clock."""
+    """Memory at a native port, ``wait``: probability that it does nothing in a clock."""
 
     def __init__(self, dut, wait, rng):
         self.dut, self.wait, self.rng = dut, wait, rng
@@ -28,7 +28,7 @@ class _Controller:
         self.forget()
 
     def forget(self):
-        """What a reset does: commands under way are lost, the words stay."""
+        """Reset: commands under way are lost, the words stay."""
         self.reads, self.writes = [], []
 
     async def run(self):
@@ -53,14 +53,14 @@ class _Controller:
         if asks:
             assert int(dut.port__wdata_valid.value), "no word is there for a command"
             mask, data = int(dut.port__wdata_we.value), int(dut.port__wdata_data.value)
-            place = self.writes.pop(0)
+            address = self.writes.pop(0)
             for lane in range(4):
                 if mask >> lane & 1:
                     clear = ~(0xFF << 8 * lane)
-                    self.words[place] = self.words[place] & clear | data & 0xFF << 8 * lane
+                    self.words[address] = self.words[address] & clear | data & 0xFF << 8 * lane
         if int(dut.port__cmd_valid.value) and int(dut.port__cmd_ready.value):
-            place = int(dut.port__cmd_addr.value)
-            (self.writes if int(dut.port__cmd_we.value) else self.reads).append(place)
+            address = int(dut.port__cmd_addr.value)
+            (self.writes if int(dut.port__cmd_we.value) else self.reads).append(address)
 
 
 async def _reset(dut, controller=None):
@@ -72,7 +72,7 @@ async def _reset(dut, controller=None):
     await clocks(dut, 1)
 
 
-async def _accepted(dut, limit=_PATIENCE):
+async def _accepted(dut, limit=_TIMEOUT):
     """Until what the host shows is accepted."""
     for _ in range(limit):
         await ReadOnly()
@@ -86,7 +86,7 @@ async def _accepted(dut, limit=_PATIENCE):
 # A design is one bridge: the test of the others has nothing to drive.
 @cocotb.test(skip=settings()["bridge"] == "wishbone")
 async def bursts_are_kept(dut):
-    """Random bursts; behind each one, the words are those that were written, or that are there."""
+    """Random bursts; after each one, the words are those that were written, or unchanged."""
     s = settings()
     rng, reads = random.Random(s["seed"]), s["bridge"] == "reader"
     inputs = {"bus__read": 0} if reads else {"bus__write": 0}
@@ -107,10 +107,10 @@ async def bursts_are_kept(dut):
 
 
 async def _read(dut, controller, rng, bursts, gap, cut):
-    """Bursts, (place, count), one behind the other; the next is asked for while words come."""
+    """Bursts, (address, count), one after the other; the next is requested while words come."""
     got, expected = [], []
-    for place, count in bursts:
-        expected += controller.words[place:place + count]
+    for address, count in bursts:
+        expected += controller.words[address:address + count]
 
     async def collect():
         while len(got) < len(expected):
@@ -119,10 +119,10 @@ async def _read(dut, controller, rng, bursts, gap, cut):
                 got.append(int(dut.bus__readdata.value))
             await FallingEdge(dut.clk)
     taking = cocotb.start_soon(collect())
-    for place, count in bursts:
+    for address, count in bursts:
         while rng.random() < gap:
             await FallingEdge(dut.clk)
-        dut.bus__address.value, dut.bus__burstcount.value = 4 * place, count
+        dut.bus__address.value, dut.bus__burstcount.value = 4 * address, count
         dut.bus__read.value = 1
         await _accepted(dut)
         dut.bus__read.value = 0
@@ -132,14 +132,14 @@ async def _read(dut, controller, rng, bursts, gap, cut):
         taking.cancel()
         await _reset(dut, controller)
         return
-    for _ in range(_PATIENCE):
+    for _ in range(_TIMEOUT):
         if len(got) == len(expected):
             break
         await FallingEdge(dut.clk)
     assert got == expected
 
 
-async def _write(dut, controller, rng, place, count, gap, cut):
+async def _write(dut, controller, rng, address, count, gap, cut):
     before, answers = list(controller.words), []
     sent = []
 
@@ -158,25 +158,25 @@ async def _write(dut, controller, rng, place, count, gap, cut):
         word, mask = rng.getrandbits(32), rng.randrange(16)
         sent.append((word, mask))
         dut.bus__write.value, dut.bus__writedata.value, dut.bus__byteenable.value = 1, word, mask
-        dut.bus__address.value, dut.bus__burstcount.value = 4 * place, count
+        dut.bus__address.value, dut.bus__burstcount.value = 4 * address, count
         await _accepted(dut)
     dut.bus__write.value = 0
     if not cut:
-        for _ in range(_PATIENCE):
+        for _ in range(_TIMEOUT):
             if answers:
                 break
             await FallingEdge(dut.clk)
         bits = [sum(0xFF << 8 * lane for lane in range(4) if mask >> lane & 1) for _, mask in sent]
         expected = list(before)
         for k, ((word, _), mask) in enumerate(zip(sent, bits)):
-            expected[place + k] = before[place + k] & ~mask | word & mask
+            expected[address + k] = before[address + k] & ~mask | word & mask
         # All words of the burst are in the memory when it is answered, and it is answered once.
         await clocks(dut, 5)
         assert answers == [expected] == [controller.words]
     watching.cancel()
     if cut:
         await _reset(dut, controller)
-        inside = range(place, place + count)
+        inside = range(address, address + count)
         assert all(controller.words[k] == before[k] for k in range(_WORDS) if k not in inside)
 
 
@@ -192,14 +192,14 @@ async def registers_are_kept(dut):
     for _ in range(s["bursts"]):
         while rng.random() < s["gap"]:
             await FallingEdge(dut.clk)
-        place, write, partial = rng.randrange(_WORDS), rng.random() < .5, rng.random() < .1
+        address, write, partial = rng.randrange(_WORDS), rng.random() < .5, rng.random() < .1
         value = rng.getrandbits(32)
-        dut.host__adr.value, dut.host__we.value = place, int(write)
+        dut.host__adr.value, dut.host__we.value = address, int(write)
         dut.host__dat_w.value, dut.host__sel.value = value, 7 if partial else 15
         dut.host__cyc.value = dut.host__stb.value = 1
-        patience = rng.randint(1, 6) if rng.random() < s["reset"] else _PATIENCE
+        timeout = rng.randint(1, 6) if rng.random() < s["reset"] else _TIMEOUT
         ends = None
-        for _ in range(patience):
+        for _ in range(timeout):
             await ReadOnly()
             ends = (int(dut.host__ack.value), int(dut.host__err.value), int(dut.host__dat_r.value))
             await FallingEdge(dut.clk)
@@ -209,10 +209,10 @@ async def registers_are_kept(dut):
         if ends[0] or ends[1]:
             assert ends[1] == (write and partial) != ends[0]
             if write and not partial:
-                model[place] = value
-            assert write or ends[2] == model[place]
+                model[address] = value
+            assert write or ends[2] == model[address]
         else:
-            assert patience < _PATIENCE, "no answer"
+            assert timeout < _TIMEOUT, "no answer"
             given_up += 1
         await clocks(dut, 1)
         assert words == model       # a write that was given up has not happened
@@ -220,7 +220,7 @@ async def registers_are_kept(dut):
 
 
 async def _registers(dut, words, wait, rng):
-    """Registers behind an Avalon-MM agent; a read is answered later, also one given up."""
+    """Registers at an Avalon-MM agent; a read is answered later, also one given up."""
     owed = []
     while True:
         waits = rng.random() < wait
@@ -230,10 +230,10 @@ async def _registers(dut, words, wait, rng):
         await ReadOnly()
         if answers:
             owed.pop(0)
-        place = int(dut.agent__address.value) if not waits else 0
+        address = int(dut.agent__address.value) if not waits else 0
         if not waits and int(dut.agent__write.value):
-            words[place] = int(dut.agent__writedata.value)
+            words[address] = int(dut.agent__writedata.value)
         if not waits and int(dut.agent__read.value):
             assert not owed, "two reads are under way"
-            owed.append(words[place])
+            owed.append(words[address])
         await FallingEdge(dut.clk)

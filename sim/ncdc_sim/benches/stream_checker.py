@@ -1,11 +1,11 @@
-"""The stream checker in Verilog: silent on good traffic, one breach for each planted one."""
+"""The stream checker in Verilog: silent on good traffic, one violation for each planted one."""
 
 import cocotb
 from cocotb.types import Logic
 
 from ncdc_sim.benches.common import clocks, settings, start
 
-__all__ = ["breaches", "good_traffic"]
+__all__ = ["violations", "good_traffic"]
 
 IDLE = {"valid": 0, "ready": 0, "data": 0, "startofpacket": 0, "endofpacket": 0,
         "host_rst": 0}
@@ -20,7 +20,7 @@ GOOD = [FIRST | STALL, FIRST, TAKE | {"data": 3} | STALL, TAKE | {"data": 3}, {}
         FIRST, TAKE | STALL | HOST, {}, FIRST, LAST,
         FIRST, TAKE | STALL | HOST, TAKE | {"data": 3} | STALL, FIRST, LAST]
 
-BREACHES = [
+VIOLATIONS = [
     ("held", [FIRST | STALL, {}]),
     ("held", [FIRST | STALL, FIRST | {"valid": 0}]),
     ("held", [FIRST | STALL, FIRST | {"data": 1}]),
@@ -46,14 +46,14 @@ async def play(dut, steps):
 
 @cocotb.test()
 async def good_traffic(dut):
-    """No breach; the counters count."""
+    """No violation; the counters count."""
     assert await play(dut, GOOD) == 0
     assert [int(getattr(dut, name).value) for name in ("beats", "packets", "waits")] == [12, 5, 5]
 
 
 @cocotb.test()
-async def breaches(dut):
-    """Each planted breach counts once."""
-    for rule, steps in BREACHES + (UNKNOWN if settings()["four_states"] else []):
+async def violations(dut):
+    """Each planted violation counts once."""
+    for rule, steps in VIOLATIONS + (UNKNOWN if settings()["four_states"] else []):
         errors = await play(dut, steps)
         assert errors == 1, f"{rule}: {errors} errors in {steps}"

@@ -1,4 +1,4 @@
-"""Tan-sigmoid, clock by clock, against ``ncdc_spec.tansig.tansig``."""
+"""Tan-sigmoid, clock by clock, compared with ``ncdc_spec.tansig.tansig``."""
 
 import cocotb
 import numpy as np

@@ -1,4 +1,4 @@
-"""Table I and II and registers over a stream of bytes, beside registers and memory in Python."""
+"""Table I and II and registers over a stream of bytes, with registers and memory in Python."""
 
 import random
 
@@ -21,13 +21,13 @@ HELD = 0x100
 
 
 class Device:
-    """A host's side of the commands, and what is behind them."""
+    """A host's side of the commands, and the registers and memory that they access."""
 
     def __init__(self, dut):
         self.dut, self.at = dut, settings()["addresses"]
         self.width, self.height = settings()["raw"]
-        chance = np.random.default_rng(3)
-        self.content = chance.integers(0, 256, 4096, np.uint8).tobytes()
+        rng = np.random.default_rng(3)
+        self.content = rng.integers(0, 256, 4096, np.uint8).tobytes()
         self.got, self.last = bytearray(), 0
         self.log = []               # (word address, word) written
         self.frame, self.sensor = True, {0x30: 0x1234}
@@ -39,10 +39,10 @@ class Device:
             self.words |= {base: BASE, base + 1: NUMBER, base + 2: TIME & 0xFFFFFFFF,
                            base + 3: TIME >> 32}
         self.i2c = []               # bytes of the transfer so far
-        self.absent = False         # nobody answers on the I2C bus
+        self.absent = False         # no target answers on the I2C bus
 
     async def begin(self):
-        """Reset, and start what is behind."""
+        """Reset, and start registers and memory."""
         await start(self.dut)
         for k in range(3):
             cocotb.start_soon(self.serve(k))
@@ -53,13 +53,13 @@ class Device:
         """Registers, after some clocks."""
         port = {name: getattr(self.dut, f"accesses__{number}__{name}") for name in (
             "valid", "write", "address", "word", "done", "answer")}
-        chance = random.Random(number)
+        rng = random.Random(number)
         while True:
             await ReadOnly()
             asked = bool(port["valid"].value)
             await FallingEdge(self.dut.clk)
             if asked:
-                await clocks(self.dut, chance.randrange(4))
+                await clocks(self.dut, rng.randrange(4))
                 address = int(port["address"].value)
                 answer = 0
                 if port["write"].value:
@@ -68,7 +68,7 @@ class Device:
                     answer = self.read(address)
                 port["answer"].value, port["done"].value = answer, 1
                 await FallingEdge(self.dut.clk)
-                port["done"].value, port["answer"].value = 0, chance.getrandbits(32)
+                port["done"].value, port["answer"].value = 0, rng.getrandbits(32)
 
     def written(self, address, word):
         self.log.append((address, word))
@@ -102,9 +102,9 @@ class Device:
 
     async def receive(self):
         """Take beats, now and then."""
-        dut, chance, held = self.dut, random.Random(9), None
+        dut, rng, held = self.dut, random.Random(9), None
         while True:
-            ready = chance.random() >= settings()["stall"]
+            ready = rng.random() >= settings()["stall"]
             dut.o__ready.value = int(ready)
             await ReadOnly()
             beat = int(dut.o__payload.value) if dut.o__valid.value else None
@@ -118,9 +118,9 @@ class Device:
 
     async def send(self, data):
         """Bytes, with pauses."""
-        dut, chance = self.dut, random.Random(len(data))
+        dut, rng = self.dut, random.Random(len(data))
         for byte in data:
-            while chance.random() < .2:
+            while rng.random() < .2:
                 dut.i__valid.value = 0
                 await FallingEdge(dut.clk)
             dut.i__valid.value, dut.i__payload.value = 1, byte

@@ -1,4 +1,4 @@
-"""Window address, transfer by transfer, against ``ncdc_model.golden.picture.window_address``."""
+"""Window address, transfer by transfer: that of ``ncdc_model.golden.picture.window_address``."""
 
 import cocotb
 import numpy as np
@@ -17,7 +17,7 @@ G = Geometry(16, 16, 40, 24)
 
 @cocotb.test()
 async def equals_model(dut):
-    """One unit around every place where the window meets the image's edge, then random."""
+    """One unit around every point where the window meets the image's edge, then random."""
     s, f, rng = settings(), Formats(), np.random.default_rng(4)
     q = f.coordinate
     half = 1 << (q.f_bits - 1)

@@ -1,4 +1,4 @@
-"""What goes over a board's Ethernet cable in simulation."""
+"""Frames on a board's Ethernet cable in simulation."""
 
 import struct
 import zlib

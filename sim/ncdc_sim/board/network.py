@@ -1,6 +1,6 @@
 """A board's core on its SDRAM, between a sensor's pins and a gigabit line, as a program that runs.
 
-A host in Python reads and writes its registers in its processor's place, in simulated time.
+A host in Python replaces its processor, and reads and writes its registers in simulated time.
 """
 
 import subprocess
@@ -20,7 +20,7 @@ from ncdc_hdl.video.modes import VideoMode
 from ncdc_sim.link.mac import mac_verilog
 from ncdc_sim.runner import HDL, build, command_of
 from ncdc_sim.sdram import chip_parameters
-from ncdc_sim.sensor.twin import raw_frames
+from ncdc_sim.sensor.reference import raw_frames
 from ncdc_sim.sensor.verilog import Light, sensor_sources
 from ncdc_sim.tools import SimulationError, environment
 from ncdc_spec.registers.link_map import LINK, TEMPLATES
@@ -36,7 +36,7 @@ _PIXEL_CLOCK_HZ = 80_000_000            # of the sensor; its PLL makes it of the
 _EXPOSURE_US = 1000
 # The firmware's: 4,300 clocks for a picture, in which it makes some 84 accesses; and its loop.
 _PACE, _POLL = 50, 1000
-_PATIENCE = 20_000_000                  # clocks for which nothing may come
+_TIMEOUT = 20_000_000                  # clocks for which nothing may come
 _END, _WRITE, _READ, _WAIT, _UNTIL, _COUNTS = range(6)
 
 
@@ -49,7 +49,7 @@ class NetworkModel:
         With Ethernet at RGMII, its device one of Altera's.
     descriptor : Descriptor
     frames_per_second : float
-        Of the sensor.
+        Frame rate of the sensor.
     hardware : Hardware, optional
         That of :func:`hardware_for` if absent.
     core_mhz : number
@@ -63,7 +63,7 @@ class NetworkModel:
     ----------
     design : Design
     setup : Setup
-        Of the sensor.
+        Configuration of the sensor.
     raw : ndarray of uint8, shape (frames, height, width)
         The raw frames that are captured.
     at : dict
@@ -130,7 +130,7 @@ class NetworkRun:
     results : dict
         Numbers of the bench, once :meth:`end` was called.
     record : bytes
-        What the line carried, likewise, as of ``hdl/network_bench.v``.
+        Record of the line, in the format of ``hdl/network_bench.v``.
 
     Raises
     ------
@@ -151,7 +151,7 @@ class NetworkRun:
             "clk_period": 10**12 // model.design.core_hz, "line_period": 10**12 // LINE_HZ,
             "extclk_period": 10**12 // _PIXEL_CLOCK_HZ,
             "pixel_period": round(1e6 / model.design.clocks.pixel_mhz) if self._screen else 0,
-            "pace": _PACE, "poll": _POLL, "patience": _PATIENCE}
+            "pace": _PACE, "poll": _POLL, "patience": _TIMEOUT}
         self._process = subprocess.Popen(
             [*command_of(model.program), *(f"+{key}={value}" for key, value in settings.items()),
              *model.light.plusargs("sensor.bin", model.design.time_scale)], cwd=folder,

@@ -20,8 +20,11 @@ _PART = struct.Struct(">HHI")
 
 @dataclass(frozen=True)
 class LineFrame:
-    """An Ethernet frame on the line: the line's clock of its first byte and that behind its last
-    one, its data without preamble and check sequence, and whether it is as it has to be."""
+    """An Ethernet frame on the line: clocks of the line, data, and whether it is valid.
+
+    The clocks are that of the first byte and that after the last one. The data are without preamble
+    and check sequence.
+    """
     begin: int
     end: int
     data: bytes
@@ -30,8 +33,10 @@ class LineFrame:
 
 @dataclass(frozen=True)
 class Picture:
-    """A picture of GVSP: its number, the line's clock behind its last byte that came, its bytes;
-    None if packets are missing, come twice or in another order."""
+    """A picture of GVSP: its number, the line's clock after its last byte, its bytes.
+
+    The bytes are None if packets are missing, come twice or in another order.
+    """
     block: int
     end: int
     data: bytes | None
@@ -40,8 +45,8 @@ class Picture:
 def line_frames(record):
     """List of :class:`LineFrame` of a record of ``hdl/network_bench.v``.
 
-    A frame is not whole whose preamble or check sequence is wrong, of which a byte was told to be
-    wrong, as one is that came too late, or that follows the one before it too soon.
+    A frame is not whole if its preamble or check sequence is wrong, or the gap before it is too
+    short. Nor is it with a byte that is signalled as wrong, as one is that came too late.
     """
     frames, at, quiet = [], 0, 0
     while at < len(record):
@@ -85,19 +90,19 @@ def _payload(data):
 
 @dataclass(frozen=True)
 class Steady:
-    """What pictures that follow each other are like.
+    """Figures of consecutive pictures.
 
     Parameters
     ----------
     frames : int
-        Of which time was taken.
+        Number of frames that were timed.
     pixels_different : int
         From the pictures that they have to be, of all pictures together; of one that is not whole
         all.
     frames_per_second, slowest : float
         From last byte to last byte, of all and of the two that lie furthest apart.
     megabytes_per_second : float
-        Of picture.
+        Rate of picture data.
     """
     frames: int
     pixels_different: int
@@ -113,7 +118,7 @@ def steady(pictures, expected, line_hz, settle):
     ----------
     pictures : sequence of Picture
     expected : sequence of ndarray of uint8, shape (height, width, bytes of a pixel)
-        What each has to be.
+        Expected pictures.
     line_hz : number
     settle : int
         At least 1.

@@ -1,4 +1,4 @@
-"""How many pictures a second a board sends: from the sensor's pins, and from memory alone.
+"""Frame rates of a board's network: from the sensor's pins, and from memory alone.
 
 Every picture on the line is compared with the golden model's of its own raw frame.
 """
@@ -18,21 +18,21 @@ __all__ = ["SETTLE", "Rates", "corrected_rates", "replayed_rates"]
 SETTLE = 5
 """Pictures until the corrector, which the packetiser's reads slow down, is as late as it gets."""
 
-_END = 10_000       # clocks behind a SEND's end until its last packet has gone
+_END = 10_000       # clocks after a SEND's end until its last packet has gone
 _LOST = ("OVERFLOWS", "FRAMES_MISSED", "RAW_ENDED_BAD", "RAW_TAKEN", "CORRECTED_ENDED_BAD",
          "CORRECTED_TAKEN")
 
 
 @dataclass(frozen=True)
 class Rates:
-    """What a run has shown.
+    """Measurements of a run.
 
     Parameters
     ----------
     steady : Steady
-        Of the pictures behind those that settle.
+        Figures of the pictures after those that settle.
     format : str
-        Of the pixels.
+        Format of the pixels.
     underruns : int
         Packets that broke on the line, of all.
     dropped : int
@@ -41,9 +41,9 @@ class Rates:
     lost : int
         Frames that the camera or the corrector lost, or a reader, by the counters.
     corrector_clocks : int
-        Of the last corrected frame.
+        Clocks of the last corrected frame.
     memory_share : float
-        Of the clocks of the steady pictures, those in which the SDRAM moved data.
+        Share of the clocks of the steady pictures in which the SDRAM moved data.
     refresh_most : int
         Clocks between two refreshes, at most.
     screen_underruns : int
@@ -70,7 +70,7 @@ def corrected_rates(model, count, *, settle=SETTLE, screen=False, sender=Picture
     screen : bool
         Whether the screen reads the memory too.
     sender : type
-        Who plays the processor.
+        Class that emulates the processor.
     """
     descriptor, strip = model.descriptor, model.design.system.hardware.strip
     form = output_format(model.design.system.hardware.format)
@@ -100,7 +100,7 @@ def _rates(model, golden, format_name, settle, send, screen=False):
     if [picture.block for picture in pictures] != [one.block for one in sent]:
         raise SimulationError(f"{len(sent)} pictures were sent, {len(pictures)} are on the line, "
                               f"where {broken} packets broke")
-    # The set-up starts the sensor behind all else: raw frame 1 is the first one that it sends.
+    # The initialisation starts the sensor last: raw frame 1 is the first one that it sends.
     expected = [golden[(one.number - 1) % len(golden)] for one in sent]
     (begin, *before), (end, *after) = sent[settle - 1].counts, sent[-1].counts
     numbers = [one.number for one in sent[settle - 1:]]

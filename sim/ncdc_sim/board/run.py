@@ -24,15 +24,14 @@ _ULX3S = ("ulx3s_bench.v", "ecp5_cells.v", "dvi_monitor.v")
 _COLORLIGHT_I9 = ("colorlight_i9_bench.v", "ecp5_cells.v")
 _QUARTUS = ("quartus_bench.v", "altera_cells.v", "virtual_jtag.v")
 _SHARED = ("sdram_board.v", "board_run.v", "uart_host.v", "sdram_chip.v")
-# Rules of Verilator that the netlist of a whole top does not keep: signals of no bits, outputs of
-# cells that nobody reads, comparisons that are constant for some lens; and delays that plusargs
-# tell.
+# Warnings of Verilator for the netlist of a whole top: signals of no bits, unused outputs of cells,
+# comparisons that are constant for some lens, and delays from plusargs.
 _RULES = ("ASCRANGE", "PINMISSING", "UNSIGNED", "ZERODLY")
 
 
 @dataclass
 class BoardRun:
-    """What became of a run.
+    """Results of a run.
 
     Parameters
     ----------
@@ -43,15 +42,15 @@ class BoardRun:
     pixel_clock_ps : float
         Period that the monitor measured.
     serial : bytes
-        What came out of the serial port.
+        Output of the serial port.
     scans : list of int
-        What came out of the scan chain, a number for each scan.
+        Output of the JTAG scan chain, a number for each scan.
     sent : list of Passed
         Ethernet frames that were sent, without preamble and check sequence.
-    lights : list of (int, int)
-        Microsecond of a change, and the lights from then on; bit k is light k.
+    leds : list of (int, int)
+        Microsecond of a change, and the LEDs from then on; bit k is LED k.
     sensor_frames : list of int
-        Numbers of the frames that the sensor began, since it was told to start.
+        Numbers of the frames that the sensor began, counted from its start.
     early : int
         Accesses over I2C before the sensor's time.
     """
@@ -61,12 +60,12 @@ class BoardRun:
     serial: bytes = b""
     scans: list = field(default_factory=list)
     sent: list = field(default_factory=list)
-    lights: list = field(default_factory=list)
+    leds: list = field(default_factory=list)
     sensor_frames: list = field(default_factory=list)
     early: int = 0
 
     def take(self, line):
-        """Keep what a line of the bench tells; SimulationError if that is an error."""
+        """Record a line of the bench; SimulationError if it reports an error."""
         kind, *values = line.split() or [""]
         if kind == "RESULT":
             self.results[values[0]] = int(values[1])
@@ -75,7 +74,7 @@ class BoardRun:
         elif kind == "UART":
             self.serial += bytes.fromhex(values[0])
         elif kind == "LED":
-            self.lights.append((int(values[0]), int(values[1])))
+            self.leds.append((int(values[0]), int(values[1])))
         elif line == "SENSOR early":
             self.early += 1
         elif line.startswith("SENSOR frame"):
@@ -96,7 +95,7 @@ def simulate_board(design, sensor, light, *, run_us, events=None, edit=None, opt
     sensor : str
         Name of the sensor's model.
     light : Light
-        What falls on it.
+        Light on the sensor.
     run_us : int
     events : dict, optional
         Plusargs of ``hdl/board_run.v``, buttons that are pressed, of :func:`request_at`, of
@@ -106,13 +105,13 @@ def simulate_board(design, sensor, light, *, run_us, events=None, edit=None, opt
     optimise : str, optional
         As of :func:`ncdc_sim.runner.build`.
     ethernet : Ethernet, optional
-        Of a design with a processor.
+        Cable of a design with a processor.
 
     Raises
     ------
     SimulationError
-        If it does not compile, or the monitor saw no picture, or the sensor or a cell of the
-        device was used as it cannot be.
+        If it does not compile, or the monitor saw no picture. If the sensor or a cell of the device
+        was used outside its specification.
     """
     name, verilog, files = _top(design)
     verilog = edit(verilog) if edit else verilog
@@ -175,7 +174,7 @@ def _top(design):
 
 
 def _screen(design):
-    """Macros that tell the bench of the board's screen."""
+    """Macros that configure the bench for the board's screen."""
     if design.board.tools == "open":
         return {}
     if design.board.dac:

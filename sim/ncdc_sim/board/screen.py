@@ -1,4 +1,4 @@
-"""What a monitor saw: frames and sync times, from its record of each pixel clock."""
+"""Frames and sync times of a monitor, from its record of each pixel clock."""
 
 from dataclasses import dataclass
 
@@ -20,8 +20,8 @@ class Screen:
     frames : list of ndarray of uint8, shape (height, width, 3)
         Red, green, blue.
     horizontal, vertical : set of tuple
-        Visible, front porch, sync pulse, back porch: in pixel clocks of each line, in lines of
-        each frame; one entry if all are alike.
+        Visible, front porch, sync pulse, back porch: in pixel clocks of each line, and in lines of
+        each frame. One entry if all are alike.
     high : (bool, bool)
         Whether HSYNC and VSYNC are high in their pulses.
     """
@@ -34,7 +34,7 @@ class Screen:
 def screen_of(record):
     """The :class:`Screen` of a record, bytes as ``hdl/dvi_monitor.v`` writes them.
 
-    What comes before the first frame's beginning and behind the last one's end is left out.
+    Lines before the first frame's beginning and after the last one's end are left out.
 
     Raises
     ------
@@ -46,7 +46,7 @@ def screen_of(record):
     lines = np.flatnonzero(visible & ~np.r_[True, visible[:-1]])    # where lines begin
     if not len(lines):
         raise SimulationError("the monitor saw no visible pixel")
-    # A frame begins with the first line behind a gap longer than a line's.
+    # A frame begins with the first line after a gap longer than a line's.
     gaps = np.diff(lines)
     begins = lines[1:][gaps > gaps.min()]
     if len(begins) < 2:

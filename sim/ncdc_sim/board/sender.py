@@ -1,4 +1,4 @@
-"""What a processor's firmware does for pictures on a network, on the registers of a NetworkRun."""
+"""The firmware's part of sending pictures, on the registers of a NetworkRun."""
 
 from dataclasses import dataclass
 
@@ -30,7 +30,7 @@ class Claimed:
 @dataclass(frozen=True)
 class Sent:
     """A picture that was sent: its number on the line, that of its raw frame, the bench's counts
-    behind it (see :meth:`NetworkRun.counts`)."""
+    after it (see :meth:`NetworkRun.counts`)."""
     block: int
     number: int
     counts: tuple
@@ -59,7 +59,7 @@ class PictureSender:
                 for _ in range(count)]
 
     def replayed(self, count):
-        """Switch the camera off behind two raw frames, and send them in turn."""
+        """Switch the camera off after two raw frames, and send them in turn."""
         held = [self._next("RAW_FRAME", "RAW") for _ in _READERS]
         for name in ("RUN", "CAMERA_ENABLE"):
             self.run.write(name, 0)

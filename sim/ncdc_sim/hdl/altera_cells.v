@@ -239,7 +239,7 @@ module altera_pll #(
     assign outclk = outputs[number_of_clocks-1:0];
 endmodule
 
-// A loop is locked some edges of its input behind the end of its reset.
+// A loop is locked some edges of its input after the end of its reset.
 module altera_lock (input wire reference, reset, output reg locked);
     integer edges;
     initial begin locked = 0; edges = 0; end

@@ -1,6 +1,6 @@
 // Protocol checker of one Avalon-MM port: pipelined burst reads, burst writes.
 //
-// Each breach counts in `errors`; the first 20 print "AVALON-ERROR <port> <rule> <time>":
+// Each violation counts in `errors`; the first 20 print "AVALON-ERROR <port> <rule> <time>":
 //   held             a command, and a write's data and byteenable, stay under waitrequest
 //   burst-range      burstcount of a new command is 1..MAX_BURST
 //   burst-constant   burstcount does not change inside a write burst

@@ -1,7 +1,7 @@
 // Avalon-MM memory model: several pipelined burst-read ports and one burst-write port on one
 // storage, timed by run-time settings. Rules and presets: model/ncdc_model/planner/memory_timing.py.
 //
-// Read data returns in order on each port. Each port refuses a command while it holds
+// Read data returns in order on each port. Each port stalls a command while it holds
 // `max_pending` unfinished read commands, and at random in `wait_chance` of 256 clocks, idle ones
 // included. All outputs come from registers.
 //
@@ -52,8 +52,8 @@ module avalon_memory #(
 
     reg [DATA_WIDTH-1:0] store [0:WORDS-1];
 
-    localparam RETURN = 64;             // beats under way to a port, rows kept
-    localparam QUEUE = 256;             // pieces of writes not yet placed
+    localparam RETURN = 64;             // beats under way to a port, open rows
+    localparam QUEUE = 256;             // pieces of writes not yet scheduled
 
     // Settings.
     reg [31:0] dram, latency_min, latency_max, rate, granule, wait_chance, max_pending, seed;
@@ -94,7 +94,7 @@ module avalon_memory #(
     integer credit;                             // 256 pay for one beat
     reg     granted;                            // one write beat is paid for
 
-    // Timing by rows. Commands of which accesses are still to be placed are the last `unplaced`
+    // Timing by rows. Commands with accesses still to be scheduled are the last `unplaced`
     // of those held; the first of them has bytes place_from..place_end to go if `started`.
     integer    unplaced   [0:PORTS-1];
     reg [PORTS-1:0] started;
@@ -105,7 +105,7 @@ module avalon_memory #(
     integer    due_count  [0:PORTS-1];
     reg [31:0] piece_from [0:QUEUE-1];          // bytes to write, a ring
     reg [31:0] piece_end  [0:QUEUE-1];
-    reg [31:0] piece_at   [0:QUEUE-1];          // clock from which it may be placed
+    reg [31:0] piece_at   [0:QUEUE-1];          // clock from which it may be scheduled
     integer    piece_head, pieces;
     integer    queued;                          // accesses of all pieces
     reg [31:0] gather_from;                     // start of the piece that is coming in
@@ -291,7 +291,7 @@ module avalon_memory #(
         end
     endtask
 
-    // Serve the clients in turn, starting behind the one served last.
+    // Serve the clients in turn, starting after the one served last.
     task serve_by_rate;
         begin
             credit = credit + rate;
@@ -317,7 +317,7 @@ module avalon_memory #(
         end
     endtask
 
-    // Find a read access that may be placed: port p, bytes from..upto.
+    // Find a read access that may be scheduled: port p, bytes from..upto.
     task find_read;
         begin
             may_read = 0;
@@ -389,7 +389,7 @@ module avalon_memory #(
                     if (held[q] != 0)
                         idle = 0;
                 may_write = pieces != 0 && piece_at[piece_head] <= now;
-                // A direction is kept for a batch, and longer if nothing goes the other way.
+                // The direction stays for a batch, and longer if nothing goes the other way.
                 if (writing ? may_read && (!may_write || batch >= write_batch)
                             : may_write && (idle || queued >= write_batch
                                             && (!may_read || batch >= write_batch))) begin

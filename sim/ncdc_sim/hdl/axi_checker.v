@@ -1,6 +1,6 @@
 // Protocol checker of one AXI4 manager's port, all five channels.
 //
-// Each breach counts in `errors`; the first 40 print "AXI-ERROR <port> <rule> <time>":
+// Each violation counts in `errors`; the first 40 print "AXI-ERROR <port> <rule> <time>":
 //   held             once valid is high, valid and its payload stay until ready, of each channel
 //   in-reset         no valid of the manager in reset, but for its first two clocks
 //   burst            INCR, of whole words, aligned, of at most MAX_BURST, not exclusive, ID 0

@@ -1,8 +1,8 @@
 // An AXI4 manager's ports on a memory with Avalon-MM ports, of no code of the gateware's: one module
 // for reads, one for writes. Without the plusargs they add no clock.
 //
-// Plusargs: axi_wait, chance of 256 that a channel is not ready; axi_answer, clocks at most by which
-// an answer to a write comes late; axi_seed; axi_fail, the number of the burst, from 1 on, that is
+// Plusargs: axi_wait, of 256 clocks, those in which a channel is not ready; axi_answer, maximum delay
+// of an answer to a write, in clocks; axi_seed; axi_fail, the number of the burst, from 1 on, that is
 // answered with SLVERR, of reads and of writes.
 
 `timescale 1ns/1ps
@@ -100,7 +100,7 @@ module axi_write_memory #(
     integer    chance, seed, failing, late;
     reg        named_open = 1, open = 1;        // an address, a word may pass
     reg [31:0] random, now, bursts;
-    reg [31:0] head, count;                     // of addresses that are kept
+    reg [31:0] head, count;                     // of addresses that are stored
     reg [31:0] place [0:PLACES-1];
     reg [7:0]  length [0:PLACES-1];
     reg [31:0] due_head, due_count;             // of answers
@@ -137,7 +137,7 @@ module axi_write_memory #(
         random = random ^ (random << 13);
         random = random ^ (random >> 17);
         random = random ^ (random << 5);
-        // An address is kept here if it is taken before its words are; words that were shown stay.
+        // An address is stored here if it is taken before its words are; words that were shown stay.
         named_open <= random[7:0] >= chance;
         if (!write || !waitrequest)
             open <= random[15:8] >= chance;

@@ -1,4 +1,4 @@
-// Frames of random windows through the tile cache, module `cache`, against a memory with random
+// Frames of random windows through the tile cache, module `cache`, with a memory of random
 // latency and waits, a source with gaps and a sink that stalls.
 //
 // No lens: the windows jump about, so that tiles replace each other all the time. Each frame has
@@ -6,9 +6,9 @@
 // cut short by a reset that the memory does not see. A byte of the memory is a hash of its
 // address, so a sample of another tile, row or frame is a wrong one.
 //
-// Checked: every sample, the order of the windows and their flags; every read command against the
-// tiles that a direct-mapped cache of this size must ask for, in order; commands and windows that
-// are refused stay as they are. Arguments: name=value, see main. Prints RESULT name value.
+// Checked: every sample, the order of the windows and their flags. Every read command must be one of
+// a direct-mapped cache of this size, in order. Commands and windows that wait do not change.
+// Arguments: name=value, see main. Prints RESULT name value.
 //
 // Compiled in: NCDC_LANES, NCDC_DATA_WIDTH, NCDC_TILES, what an interpolation needs, and for each
 // field of a request (I_) and a window (O_) its first bit in lane 0, with the bits of a lane: see
@@ -153,7 +153,7 @@ private:
         // Half of the frames are where the one before was, at another base.
         if (f.groups == 0 || random.chance(128)) place();
         f.base = 16 * random.below(1 << 26);
-        // Half of the places hold the frame and no more: no byte behind it is read.
+        // Half of the buffers end with the frame: no byte after it is read.
         f.limit = f.base + f.pitch * f.height + (random.chance(128) ? 0 : 4 * f.pitch);
         f.pattern = random.below(4);
         f.blank = random.chance(64) ? random.below(256) : 20;
@@ -193,7 +193,7 @@ private:
         return group;
     }
 
-    // First and last sample in the frame of the window of a place.
+    // First and last sample in the frame of the window of a coordinate.
     static std::uint32_t first(std::uint32_t place) {
         return place < kMargin ? 0 : place - kMargin;
     }
@@ -373,7 +373,7 @@ private:
         flying.pop_front();
     }
 
-    // Samples outside in the low two bits; the third tells whether they are behind the last one.
+    // Samples outside in the low two bits; the third: they are after the last one.
     static std::uint32_t edge(int place, int size) {
         const int before = kMargin - place, behind = place + kAfter - (size - 1);
         return behind > 0 ? behind | 4 : std::max(before, 0);

@@ -11,7 +11,7 @@ module colorlight_i9_bench;
     reg clk25 = 0;
     always #20000 clk25 = !clk25;
 
-    // The SDRAM; what the module wires to its levels is told to the chip here.
+    // The SDRAM; the module's constant levels are wired to the chip here.
     wire clk, ras_n, cas_n, we_n;
     wire [1:0]  ba;
     wire [10:0] a;

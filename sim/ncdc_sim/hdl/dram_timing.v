@@ -1,14 +1,14 @@
-// Timing of a dynamic memory behind a controller that keeps rows open: when an access gets its
+// Timing of a dynamic memory whose controller keeps rows open: when an access gets its
 // column command, and when its data is there. The rules are those of `DramMemory` in
 // model/ncdc_model/planner/memory_timing.py.
 //
 // No ports: `avalon_memory` calls `restart`, `step` and `place`. Times are numbers of memory
 // clocks (MC). `step` goes on to the corrector's next clock edge; `place` plans the commands of
-// one access at once, behind those planned before; `ready` tells that the controller would look at
+// one access at once, after those planned before; `ready` says that the controller would look at
 // one more access.
 //
 // Every planned command is logged under its MC, and read back when that MC has come by a checker
-// that knows the rules of the memory and nothing of the planning. A breach prints
+// that knows the rules of the memory and nothing of the planning. A violation prints
 // "AVALON-ERROR memory <rule> <time>" and counts in `errors`.
 
 `timescale 1ns/1ps
@@ -16,7 +16,7 @@
 module dram_timing;
     localparam MAX_BANKS = 16;
     localparam MAX_LOOK_AHEAD = 16;
-    localparam LOG = 4096;              // MC; more than a command is planned ahead
+    localparam LOG = 4096;              // MC; more than a command is planned in advance
 
     localparam NONE = 0, PRECHARGE = 1, PRECHARGE_ALL = 2, ACTIVATE = 3, READ = 4, WRITE = 5,
         REFRESH = 6;
@@ -63,7 +63,7 @@ module dram_timing;
     reg [31:0] four_from [0:3];         // the fourth last activate + faw
     reg [1:0]  four;
     reg [31:0] column_at [0:MAX_LOOK_AHEAD-1];
-    reg [31:0] column;                  // of column_at: the access look_ahead places before
+    reg [31:0] column;                  // of column_at: the access look_ahead positions before
     reg        ready;
 
     reg [71:0] log [0:LOG-1];           // MC, command, bank, row, MC of data
@@ -113,7 +113,7 @@ module dram_timing;
         end
     endtask
 
-    // To the next clock edge of the corrector: check the commands of the time gone by, place a
+    // To the next clock edge of the corrector: check the commands of the time gone by, schedule a
     // refresh that is due.
     task step;
         begin
@@ -150,7 +150,7 @@ module dram_timing;
         later = a > b ? a : b;
     endfunction
 
-    reg [31:0] at;                      // MC of the command being placed
+    reg [31:0] at;                      // MC of the command being scheduled
 
     // Put a command on the first free MC from `at` on.
     task issue(input [2:0] command, input [3:0] bank, input [24:0] row, input [7:0] length);

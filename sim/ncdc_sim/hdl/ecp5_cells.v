@@ -48,7 +48,7 @@ module ODDRX1F (input wire SCLK, input wire RST, input wire D0, input wire D1, o
     assign Q = rises ^ falls;
 endmodule
 
-// Two bits a clock: of a rising edge and of the falling one behind it, both from the next rising edge.
+// Two bits a clock: of a rising edge and of the falling one after it, both from the next rising edge.
 module IDDRX1F (input wire SCLK, input wire RST, input wire D, output reg Q0, output reg Q1);
     wire clear = RST === 1'b1;
     reg rose, fell;
@@ -85,7 +85,7 @@ module DCCA (input wire CLKI, input wire CE, output wire CLKO);
 endmodule
 
 // A phase-locked loop: from the period of CLKI and the dividers the period of the oscillator, from
-// that the outputs. All outputs begin together, with the first edge of CLKI behind the lock; with
+// that the outputs. All outputs begin together, with the first edge of CLKI after the lock; with
 // CPHASE = divider - 1 an output is in phase.
 module EHXPLLL #(
     parameter CLKI_DIV = 1, CLKFB_DIV = 1, CLKOP_DIV = 8, CLKOS_DIV = 8, CLKOS2_DIV = 8,
@@ -160,7 +160,7 @@ module EHXPLLL #(
         @(posedge LOCK);
         start = $realtime;
         #((CLKOS2_CPHASE + 1 - CLKOS2_DIV) * oscillator);
-        // Of an output that is fed back only nobody looks at the edges.
+        // The edges of an output that is only fed back are not used.
         if (FEEDBK_PATH != "INT_OS2")
             forever begin
                 CLKOS2 = !CLKOS2;

@@ -8,7 +8,7 @@
 // Operations: 00 end, 01 write, 02 read and compare, 03 wait for irq, 04 read and report, 05 wait
 // for some clocks, 06 wait until so many bytes are out, 07 reset the module for some clocks,
 // 08 read until the value comes, 09 the camera begins a frame at the byte address, 0a reset the
-// module and the memory, 0b the places in memory that may be used: the address is 0, 1 for begin and
+// module and the memory, 0b the ranges in memory that may be used: the address is 0, 1 for begin and
 // end of what may be read, 2, 3 of what may be written. The clocks of a frame run from the last register write before a wait to the
 // irq. A reset of the module alone leaves memory and sink as they are: words under way still come.
 // One of both has its clocks in bits 15:0, and in bits 31:16, signed, by how many clocks the
@@ -146,7 +146,7 @@ module frame_bench (
         end
     endtask
 
-    // What is read and written outside the places.
+    // What is read and written outside the ranges.
     reg [31:0] place [0:3];
     reg [31:0] outside = 0;             // bytes
     reg [31:0] write_at, write_left = 0;

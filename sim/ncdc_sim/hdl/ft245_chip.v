@@ -4,11 +4,11 @@
 // edge with RD# and RXF# low. Write: taken at a rising edge with WR# and TXE# low. What is on the bus
 // while RXF# is high is nothing. (FTDI, "FT232H", FT_000288 version 2.1, section 4.4.)
 //
-// With NCDC_TIMED the pins change late: those of the chip somewhere in OUT_MIN .. OUT_MAX behind its
+// With NCDC_TIMED the pins change late: those of the chip somewhere in OUT_MIN .. OUT_MAX after its
 // clock, unknown from the edge on, and those of the FPGA must be there SETUP before the edge and stay
-// HOLD behind it. FT232H, table 4.1: 0 to 9 ns, 7.5 ns, 0 ns, in ps. Times of 0 need no check.
+// HOLD after it. FT232H, table 4.1: 0 to 9 ns, 7.5 ns, 0 ns, in ps. Times of 0 need no check.
 //
-// Breaches are printed as USB-ERROR rule time, and counted.
+// Violations are printed as USB-ERROR rule time, and counted.
 
 `timescale 1ps/1ps
 
@@ -24,7 +24,7 @@ module ft245_chip #(
     input  wire [8*LANES-1:0] data_i,           // from the FPGA
     input  wire [LANES-1:0]   be_i,
     input  wire               data_driven,      // by the FPGA
-    input  wire [7:0]         rx_stall, tx_stall,   // chances of a pause, of 256
+    input  wire [7:0]         rx_stall, tx_stall,   // pauses, in clocks of 256
     // The side of USB, in the same clock.
     input  wire               host_valid,
     input  wire [8*LANES-1:0] host_data,
@@ -119,7 +119,7 @@ module ft245_chip #(
     always @(oe_n)
         enabled <= #(OUT_MAX) !oe_n;
 
-    // Set-up and hold of what the FPGA drives.
+    // Setup and hold of what the FPGA drives.
     time edge_at = 0, changed = 0;
     always @(posedge clk) begin
         if (known && $time - changed < SETUP) breach("set-up");

@@ -3,7 +3,7 @@
 //
 // Reads are pipelined: a burst becomes one native command per clock, the next burst follows without
 // a gap, and the controller returns the words of a port in order. A write's native words wait in a
-// queue until the controller fetches them, some clocks behind their commands.
+// queue until the controller fetches them, some clocks after their commands.
 //
 // Defines: NCDC_LITEDRAM_NATIVE (bits), NCDC_LITEDRAM_ADDRESS (bits of a native word's address).
 

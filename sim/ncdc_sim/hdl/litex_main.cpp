@@ -10,8 +10,8 @@
 //   x clocks            reset the whole system for so many
 //   i                   wait for the interrupt; prints IRQ clocks, from the last write's answer
 //   m address words     until the interrupt, read one of so many words from there on after the
-//                       other, at random; prints WAITS number, clocks of all, most clocks of one
-// Plusargs: +clocks=<number> at most. +sink=<chance of 256> that the sink of the video is ready.
+//                       other, at random; prints WAITS number, clocks of all, maximum of one
+// Plusargs: +clocks=<number> at most. +sink=<of 256 clocks> in which the sink of the video is ready.
 //
 // Pixels, red first, are written into the file video.bin. Lines: FIRST and LAST pixel, as numbers
 // from 0; VIDEO-ERROR rule clock; BUS-ERROR address; FAILED; CLOCKS number at the end.
@@ -107,7 +107,7 @@ public:
         left.pop_front();
     }
 
-    // Behind it: what is asked in the next one.
+    // After it: what is asked in the next one.
     void drive() {
         const bool asks = !left.empty() && !strchr("ipx", left.front().kind);
         soc.host_cyc = soc.host_stb = asks;

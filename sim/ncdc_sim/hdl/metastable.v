@@ -1,16 +1,16 @@
 // First flops of synchronisers that behave as real ones do when their input changes near the edge of
 // their clock: each bit takes its old or its new value, at random and on its own.
 //
-// Plusargs: metastable_ps, the time before and behind the edge that is too near; twice that must be
+// Plusargs: metastable_ps, the time before and after the edge that is too near; twice that must be
 // shorter than the period of the clock with which the input changes, as a bus in Gray code demands
 // of its wires, and than that of the flop. 0, the default, makes plain flops. metastable_seed.
 //
-// A line METASTABLE path count tells of the bits that took what a plain flop would not have taken:
+// A line METASTABLE path count reports the bits that took what a plain flop would not have taken:
 // of the 1st, the 2nd, the 4th of them and so on.
 
 `timescale 1ps/1ps
 
-// A bit. NUMBER tells the bits of a design apart, so that they do not choose alike.
+// A bit. NUMBER identifies the bits of a design, so that they do not choose alike.
 module metastable_bit #(
     parameter NUMBER = 0
 ) (
@@ -23,7 +23,7 @@ module metastable_bit #(
     reg [63:0] edge_at = 0, changed_at = 0;
     reg        begun = 0;                       // there was an edge: a change before is none
     reg        taken = 0;                       // at the last edge
-    reg        early = 0, early_before = 0;     // differ: what came behind that edge was taken
+    reg        early = 0, early_before = 0;     // differ: the value after that edge was taken
     assign o = taken ^ early ^ early_before;
 
     initial begin

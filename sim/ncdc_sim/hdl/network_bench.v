@@ -1,5 +1,5 @@
 // The core of a board with a processor, `board_core`, between a sensor, its SDRAM at the core's clock
-// and a gigabit network. In the processor's place is whoever runs this program: registers are read and
+// and a gigabit network. Whoever runs this program replaces the processor: registers are read and
 // written through its input and output, while time stands still.
 //
 // A command is a line of four hexadecimal numbers, operation, a, b and c; it is answered by one line:
@@ -10,14 +10,14 @@
 //   4 a b c    read again and again until the value, masked with b, is c; LATE if it is not for
 //              `patience` clocks                          READ value
 //   5          look at the counters                       COUNTS clocks reads writes
-// An access begins `pace` clocks behind the one before it, if not later, those of operation 4
+// An access begins `pace` clocks after the one before it, if not later, those of operation 4
 // `poll` clocks: a processor's program takes time.
 //
 // Clocks come from network_main.cpp: the core's, the line's of 125 MHz, the sensor's, the screen's.
 // Between core and SDRAM is a register each way, as in the pins' cells of a board.
 //
-// wire.bin is what the line carries: for each frame its first byte's clock of the line and that behind
-// its last one (four bytes each), the bytes, how many of them were told to be wrong (two each), and the
+// wire.bin is what the line carries: for each frame its first byte's clock of the line and that after
+// its last one (four bytes each), the bytes, how many of them were signalled as wrong (two each), and the
 // bytes from the preamble to the check sequence; big endian.
 //
 // Defines: NCDC_CHIP, parameters of sdram_chip; NCDC_SENSOR, the sensor's name; NCDC_DQ, NCDC_MASKS.
@@ -38,7 +38,7 @@ module network_bench (input wire clk, line, extclk, pixel);
         .extclk(extclk), .reset_n(sensor_reset_n), .pixclk(pixclk), .frame_valid(frame_valid),
         .line_valid(line_valid), .data(data), .scl(scl), .sda(sda), .sda_low(sensor_sda_low));
 
-    // The SDRAM, behind registers.
+    // The SDRAM, after registers.
     wire                  cke, cs_n, ras_n, cas_n, we_n, dq_oe, chip_drives;
     wire [1:0]            ba;
     wire [12:0]           a_pins;
@@ -53,7 +53,7 @@ module network_bench (input wire clk, line, extclk, pixel);
     always @(posedge clk) begin
         {c_cke, c_cs_n, c_ras_n, c_cas_n, c_we_n} <= {cke, cs_n, ras_n, cas_n, we_n};
         {c_ba, c_a, c_dqm, c_dq, c_oe} <= {ba, a_pins, dqm, dq_o, dq_oe};
-        // What nobody drives is none of the chip's words.
+        // Undriven data are none of the chip's words.
         dq_i <= chip_drives ? chip_dq : ~chip_dq;
     end
     sdram_chip #(`NCDC_CHIP) chip (

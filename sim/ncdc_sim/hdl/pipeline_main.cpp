@@ -34,8 +34,8 @@ int main(int argc, char** argv) {
     pipeline->clk = 0;
     pipeline->eval();       // the first evaluation sees no edge
 
-    // What comes out before the first input has passed is not kept; behind the last input its own
-    // value goes on until it has come out.
+    // Outputs before the first input has passed are dropped; the last input's value stays until it
+    // has come out.
     std::uint64_t early = flying - 1, extra = 0;
     std::vector<std::uint32_t> in(kBlock), out;
     bool more = true;

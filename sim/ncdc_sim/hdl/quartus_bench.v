@@ -1,5 +1,5 @@
 // A Quartus board from the sensor's pins to the monitor's: the generated top `NCDC_TOP, its SDRAM of
-// `NCDC_DQ bits, a sensor, a monitor, behind a video converter if there is `NCDC_DAC, buttons.
+// `NCDC_DQ bits, a sensor, a monitor, after a video converter if there is `NCDC_DAC, buttons.
 //
 // With `NCDC_ETHERNET there is an Ethernet chip, see rgmii_chip.v.
 //

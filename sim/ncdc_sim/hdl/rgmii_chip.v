@@ -1,11 +1,11 @@
 // An Ethernet chip at RGMII, 1000 Mbit/s, as far as the firmware knows it, its registers by MDIO (IEEE
 // 802.3, clause 22): a Marvell 88E1111, from Linux's driver of it and the pins' times from RGMII 1.3 and
 // 2.0, or with `B50612D` a Broadcom B50612D, from its data sheet. The latter delays both clocks after its
-// reset; here neither, so that it is seen whether the firmware tells it to. What comes on the cable is in
-// rx.bin, frames with their check sequence, each behind four bytes with its microsecond and two with its
+// reset; here neither, so that it is seen whether the firmware sets them. What comes on the cable is in
+// rx.bin, frames with their check sequence, each after four bytes with its microsecond and two with its
 // length, big endian; what was sent goes to tx.bin, likewise, with its preamble.
 //
-// Until its reset pin is released and it was told to negotiate it is silent, and so is the 88E1111 before
+// Until its reset pin is released and it is set to negotiate it is silent, and so is the 88E1111 before
 // its software reset is over, and unless RGMII is its mode.
 
 `timescale 1ps/1ps
@@ -22,9 +22,9 @@ module rgmii_chip #(parameter ADDRESS = 16, B50612D = 0) (
     localparam RESET_US = 20, LINK_US = 200;    // less than a chip takes
     localparam MDC_PS = 400000;                 // 2.5 MHz
     localparam SKEW_PS = 500;
-    localparam HOLD_PS = 1000;                  // RGMII 1.3: set-up and hold at a receiver
+    localparam HOLD_PS = 1000;                  // RGMII 1.3: setup and hold at a receiver
 
-    // Registers. Those behind "next" count from the software reset on.
+    // Registers. Those after "next" count from the software reset on.
     reg [15:0] offered = 16'h01e1, offered_1000 = 16'h0300, control = 16'h1140;
     reg [15:0] next_extended = 16'h0c60, extended = 16'h0c60;
     reg [15:0] next_mode = 16'h848f, mode = 16'h848f;      // GMII
@@ -32,7 +32,7 @@ module rgmii_chip #(parameter ADDRESS = 16, B50612D = 0) (
     wire [15:0] status = {2'b10, 1'b1, 1'b0, link, link, 10'b0};
     integer resets = 0;
 
-    // Of a B50612D: what registers 24 and 28 show, and the two behind them.
+    // Of a B50612D: what registers 24 and 28 show, and the two after them.
     reg [2:0]  shown = 0;
     reg [4:0]  shown_too = 0;
     reg [11:3] skew = 9'b0;
@@ -139,7 +139,7 @@ module rgmii_chip #(parameter ADDRESS = 16, B50612D = 0) (
 
     wire works = rst_n && link && (B50612D || mode[3:0] == 4'hb);
 
-    // To the device: the clock 2 ns behind the data, or with them, which may be half a nanosecond
+    // To the device: the clock 2 ns after the data, or with them, which may be half a nanosecond
     // before.
     reg clock = 0, late = 0;
     always #4000 clock = !clock;
@@ -172,7 +172,7 @@ module rgmii_chip #(parameter ADDRESS = 16, B50612D = 0) (
                 octet = $fgetc(file);
                 send(octet);
             end
-            // What comes while nobody listens is lost, as on a cable.
+            // What comes while the chip does not listen is lost, as on a cable.
             @(posedge clock) rx_ctl <= #SKEW_PS 0;
             rx_data <= #SKEW_PS 4'b1101;                  // link, 1000 Mbit/s, full duplex
             frames = frames + 1;
@@ -181,7 +181,7 @@ module rgmii_chip #(parameter ADDRESS = 16, B50612D = 0) (
         end
     end
 
-    // From the device: bytes of a frame are kept until it is over. What samples them is the clock that was
+    // From the device: bytes of a frame are stored until it is over. What samples them is the clock that was
     // sent, or later.
     localparam DELAY_PS = 1900;
     reg tx_late = 0;
@@ -230,7 +230,7 @@ module rgmii_chip #(parameter ADDRESS = 16, B50612D = 0) (
     always @(negedge sampled) if (works && busy) begin
         frame[n] = {tx_data, low};
         n = n + 1;
-        // Both halves of a byte: an error is told by a change between them.
+        // Both halves of a byte: an error is signalled by a change between them.
         if (!tx_ctl) errors = errors + 1;
     end
 endmodule

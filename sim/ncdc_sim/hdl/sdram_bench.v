@@ -1,5 +1,5 @@
 // Random traffic on all ports of an SDRAM controller, its data compared with a plain memory, and
-// the chip's checker behind it. The module `sdram_dut`, controller and chip, is made by
+// the chip's checker at its pins. The module `sdram_dut`, controller and chip, is made by
 // ncdc_sim/sdram.py. The last host is the writer.
 //
 // What a read may give: each of its words as it was at some time between the read's acceptance and
@@ -10,11 +10,11 @@
 // words accepted shortly before are not known until they are written whole again.
 //
 // Plusargs: clocks, seed, resets; and of each host, eight bits each from the lowest on, in hex:
-//   kind    0 silent, 1 anywhere, 2 one burst behind the other, 3 as a corrector reads: rows of a
+//   kind    0 silent, 1 anywhere, 2 one burst after the other, 3 as a corrector reads: rows of a
 //           picture, a few words of one of eight neighbouring rows
-//   gap     chance of 256 that no command is begun in a clock, or no word of a burst is offered;
+//   gap     of 256 clocks, those in which no command is begun, or no word of a burst is offered;
 //           255: a command is begun some clocks after the one before it is over
-//   least, most     words of a burst
+//   least, most     minimum and maximum words of a burst
 //
 // Results: lines "RESULT <name> <value>", "SDRAM-WRONG ..." for each wrong word.
 
@@ -28,7 +28,7 @@ module sdram_bench(input wire clk);
     localparam BITS = $clog2(BURST + 1);
     localparam COLUMNS = `NCDC_COLUMNS;         // bits of a word's column
     localparam ROWS = `NCDC_ROWS;
-    localparam PLACE = 3 + 2 + COLUMNS;         // bits of a word's place in the plain memory
+    localparam PLACE = 3 + 2 + COLUMNS;         // bits of a word's address in the plain memory
     localparam LANES = DATA / 8;
     localparam BEATS = `NCDC_BEATS;
     localparam QUEUE = 1024;                    // words that a reader waits for

@@ -1,6 +1,6 @@
 // An SDRAM on a board, at the FPGA's pins: the chip's model, and the time that signals take.
 //
-// Data come `ACCESS` ps behind the clock's edge at the chip and stay for `HOLD` ps behind the next one;
+// Data come `ACCESS` ps after the clock's edge at the chip and stay for `HOLD` ps after the next one;
 // in between DQ holds the wrong bits. `FLIGHT` ps are the FPGA's outputs and the way to the chip,
 // `BACK` ps the way back and the FPGA's input. `oe` is high while the FPGA drives DQ.
 

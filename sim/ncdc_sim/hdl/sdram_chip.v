@@ -4,23 +4,23 @@
 //
 // DQ comes in three: `dq_i` and `dq_oe`, what the controller drives and whether it does; `dq_o` and
 // `dq_drives` of the chip. All is sampled at the rising edge. With CAS latency n, data are there to
-// be sampled n edges behind the READ's.
+// be sampled n edges after the READ's.
 //
 // Times are in ps, and are compared with clocks times PERIOD, as the data sheet's are: nothing is
 // rounded here. A command at one edge and one at the next are a period apart. Plusargs of the
-// parameters' names put other times in their place, for tests.
+// parameters' names replace them by other times, for tests.
 //
-// Each breach counts in `violations`; the first 20 print "SDRAM-VIOLATION <rule> <clock>":
-//   tPAUSE       no command within the pause behind power-up
+// Each violation counts in `violations`; the first 20 print "SDRAM-VIOLATION <rule> <clock>":
+//   tPAUSE       no command within the pause after power-up
 //   init         before the first ACTIVE: all banks closed, REFRESHES refreshes, a mode set
 //   mode         bursts of 1 to 8, sequential, and a CAS latency that the period allows
-//   tMRD tRFC    no command so soon behind LOAD MODE REGISTER, AUTO REFRESH
-//   tRCD         READ or WRITE behind its bank's ACTIVE
-//   tRP          ACTIVE, AUTO REFRESH or LOAD MODE REGISTER behind a PRECHARGE
-//   tRC tRRD     ACTIVE behind its bank's ACTIVE, another bank's
-//   tRAS-min     PRECHARGE behind its bank's ACTIVE
+//   tMRD tRFC    no command so soon after LOAD MODE REGISTER, AUTO REFRESH
+//   tRCD         READ or WRITE after its bank's ACTIVE
+//   tRP          ACTIVE, AUTO REFRESH or LOAD MODE REGISTER after a PRECHARGE
+//   tRC tRRD     ACTIVE after its bank's ACTIVE, another bank's
+//   tRAS-min     PRECHARGE after its bank's ACTIVE
 //   tRAS-max     a row is open for too long
-//   tWR          PRECHARGE behind the last data of its bank's WRITE
+//   tWR          PRECHARGE after the last data of its bank's WRITE
 //   closed open  READ or WRITE of a bank without an open row; ACTIVE of one that has one; AUTO
 //                REFRESH or LOAD MODE REGISTER with an open row
 //   cut          PRECHARGE of a bank whose READ has data to come that it would cut off
@@ -28,7 +28,7 @@
 //   retention    REFRESH_CYCLES refreshes, which reach every row, took longer than RETENTION
 //   contention   controller and chip drive DQ in the same clock, or with less than TURNAROUND
 //                clocks between the chip and the controller
-//   no-data      nobody drives DQ when data are written
+//   no-data      DQ is not driven when data are written
 //   unsupported  a command that this model has not, or CKE is low
 //   unknown      X or Z on a control pin (four states)
 //
@@ -101,7 +101,7 @@ module sdram_chip #(
     reg [63:0]     precharged [0:3];
     reg [63:0]     written [0:3];       // the last data
     reg [3:0]      ever_activated, ever_precharged, ever_written;
-    reg [3:0]      too_long;            // has been told
+    reg [3:0]      too_long;            // has been reported
     reg [3:0]      closing;             // auto precharge comes
     reg [63:0]     closes [0:3];        // and when
     reg [63:0]     last_refresh, last_mode;

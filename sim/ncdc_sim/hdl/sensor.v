@@ -10,7 +10,7 @@
 // `sda_low` pulls the line low. A sensor of fewer than 12 bits has them at the top of `data`.
 //
 // A model of what a user of the sensor sees, with these simplifications: settings are taken at the
-// beginning of a frame, none later; a sensor that is told to stop stops at once; there is no
+// beginning of a frame, none later; a sensor that is switched off stops at once; there is no
 // automatic exposure and no noise. It skips and bins as far as ours are set up to, columns and rows
 // alike: the MT9P031 by 2 to 7, the others by 2.
 //
@@ -25,7 +25,7 @@
 //   sensor_fault_clocks=     pixel clocks of clock_stop, clocks of SCL of stuck_sda
 //   sensor_fault_start=      number of the START condition, from 0 on, of one of the last two
 //   sensor_khz=, sensor_time_scale=, sensor_fault=unplug: see sensor_waking.v
-// A pixel outside of the file is dark. The file begins anew whenever the sensor is told to start,
+// A pixel outside of the file is dark. The file begins anew whenever the sensor is started,
 // and when it has ended. Each frame prints "SENSOR frame <number>", what cannot be modelled
 // "SENSOR-ERROR <reason>".
 

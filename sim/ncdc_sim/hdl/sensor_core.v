@@ -2,7 +2,7 @@
 //
 // A line takes `line_clocks`, a frame `frame_lines` lines, of which the first `height` are rows.
 // FRAME_VALID is high from LEAD clocks before the first sample of the first row until TAIL clocks
-// behind the last sample of the last; LINE_VALID is high for `width` clocks of each row. With the
+// after the last sample of the last; LINE_VALID is high for `width` clocks of each row. With the
 // window's corner at (left, top) of the active pixels, sample (x, y) is the pixel
 // (left + x, top + y), or counted from the other end of the window if mirrored.
 //
@@ -14,7 +14,7 @@
 // A sample s of the file leaves as
 //     min(4095, floor((s * factor + 32768) / 65536) + black)
 //     factor = floor(exposure * gain * 256 / nominal)
-// without the bits below BITS. Test patterns take the place of all this; `pattern` is
+// without the bits below BITS. Test patterns replace all this; `pattern` is
 //     1 one value per colour                   2, 3, 4 ramps along rows, columns, diagonals
 //     5 walking ones along each row            6, 7 bars of 16 pixels across and along
 //     8 eight colour bars: white, yellow, cyan, green, magenta, red, blue, black

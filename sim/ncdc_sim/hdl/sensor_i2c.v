@@ -1,10 +1,10 @@
-// I2C target of an image sensor: registers behind a pointer of one or two bytes, each of one or
+// I2C target of an image sensor: registers at a pointer of one or two bytes, each of one or
 // two bytes, the upper one first.
 //
-// A write takes effect with its last shift; the pointer moves on behind each register, written or
+// A write takes effect with its last shift; the pointer moves on after each register, written or
 // read. `write` is high for one clock with `pointer` and `value`; `answer` is what a read of
 // `pointer` gives. Faults (see sensor.v): `nack` does not acknowledge its address; `stuck_sda`
-// pulls SDA low behind its address, for so many clocks of SCL, as a target does that was left in
+// pulls SDA low after its address, for so many clocks of SCL, as a target does that was left in
 // the middle of a byte.
 
 `timescale 1ns/1ps
@@ -46,7 +46,7 @@ module sensor_i2c #(
 
     wire [7:0] given = upper ? answer[15:8] : answer[7:0];
 
-    // Behind the last bit of a byte that came: its meaning, and whether it is acknowledged.
+    // After the last bit of a byte that came: its meaning, and whether it is acknowledged.
     task take;
         begin
             sda_low <= 1;

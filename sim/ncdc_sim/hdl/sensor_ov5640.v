@@ -64,7 +64,7 @@ module sensor_ov5640 (
     assign skip = file[14'h0814] == 8'h31 ? 2 : 1;
     assign binning = file[14'h0821][0] ? 2 : 1;
 
-    // Outputs enabled, awake, and raw behind the correction of defects.
+    // Outputs enabled, awake, and raw after the correction of defects.
     wire raw = file[14'h1300][7:4] == 0 && file[14'h201F][2:0] == 3;
     assign streaming = !file[14'h0008][6] && raw && file[14'h0017][6:4] == 7;
 

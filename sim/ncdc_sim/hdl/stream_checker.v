@@ -1,6 +1,6 @@
 // Protocol checker of a packet stream (valid, ready, data, startofpacket, endofpacket).
 //
-// Each breach counts in `errors`; the first 20 print "AVALON-ERROR <port> <rule> <time>":
+// Each violation counts in `errors`; the first 20 print "AVALON-ERROR <port> <rule> <time>":
 //   held             once valid, valid and all it qualifies stay until ready
 //   packet-start     a packet starts with startofpacket, which appears nowhere else
 //   unknown          no X or Z on valid out of reset, nor on what it qualifies (needs four states)

@@ -1,4 +1,4 @@
-// Runs the generated module `ncdc_system` with a sensor at its pins and a memory behind it, under a
+// Runs the generated module `ncdc_system` with a sensor at its pins and a memory at its ports, under a
 // host that talks to it through this program's input and output: whoever runs it reads and writes
 // registers while sensor, system and memory go on at the simulator's own speed.
 //
@@ -18,14 +18,14 @@
 //   b a      send the first a bytes of usb_send.bin by USB     DONE, at once
 //   c        flush usb_got.bin, what has come by USB      STREAM bytes
 // The clocks of the system and of the sensor come from the program around this module, each with
-// its own period. Memory that nobody wrote holds 0xA5. SDA and SCL are pulled up.
+// its own period. Memory that was not written holds 0xA5. SDA and SCL are pulled up.
 //
 // Lines that come unasked: AVALON-ERROR port rule time; SENSOR lines; FAILED reason.
 //
 // Defines: NCDC_DATA_WIDTH, NCDC_READ_PORTS, NCDC_READ_BURST_WIDTH, NCDC_MEMORY_BYTES,
 // NCDC_THREE_READ_PORTS, NCDC_STREAM (pixels per beat), NCDC_SENSOR (its name), NCDC_USB (the number
 // of the USB side's read port), NCDC_USB_LANES (bytes of a word of the FTDI chip). The chip's clock is
-// three fifths of the system's; plusargs usb_rx_stall and usb_tx_stall are chances of its pauses.
+// three fifths of the system's; plusargs usb_rx_stall and usb_tx_stall are its pauses, in clocks of 256.
 
 `timescale 1ns/1ps
 

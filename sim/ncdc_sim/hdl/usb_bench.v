@@ -1,14 +1,14 @@
 // Numbers both ways through the module `dut`, a UsbFifo, and the model of its chip. Every word is
-// made from its place in the row, so that one that is lost, doubled or changed is found at once.
+// made from its number in the row, so that one that is lost, doubled or changed is found at once.
 //
-// Plusargs: up and down, words to the host and from it; gap and stall, chances of 256 that the core
-// has no word, or takes none; rx_stall and tx_stall, those of the chip; up_stall and down_gap, those
+// Plusargs: up and down, words to the host and from it; gap and stall, clocks of 256 in which the
+// core has no word, or takes none; rx_stall and tx_stall, those of the chip; up_stall and down_gap, those
 // of the host; resets, of the core and its side of the bus, each some thousand clocks after the last.
 //
 // A reset forgets what is under way. The core's next word is then the first of another row; of the
 // host's words some may be missing, as many as the queues hold.
 //
-// Lines: USB-ERROR of the chip; DIFFERENT direction place; RESULT lines, then END.
+// Lines: USB-ERROR of the chip; DIFFERENT direction number; RESULT lines, then END.
 //
 // Defines: NCDC_LANES; NCDC_TIMED with NCDC_OUT_MIN, NCDC_OUT_MAX, NCDC_SETUP, NCDC_HOLD of the chip
 // and NCDC_FPGA_OUT of the FPGA, from the chip's clock to its pins, in ps.
@@ -41,7 +41,7 @@ module usb_bench (
         if (!$value$plusargs("down_gap=%d", down_gap)) down_gap = 0;
     end
 
-    // The word at a place of the row: any bits, and now and then not all of its bytes.
+    // The word of a number in the row: any bits, and now and then not all of its bytes.
     function [31:0] mixed(input [31:0] place);
         reg [31:0] x;
         begin
@@ -64,7 +64,7 @@ module usb_bench (
         end
     endfunction
 
-    // The two sides, each with chances of its own.
+    // The two sides, each with a random sequence of its own.
     reg [31:0] random = 32'h2545F491, host_random = 32'h51ED270B;
     function [31:0] next(input [31:0] x);
         reg [31:0] y;

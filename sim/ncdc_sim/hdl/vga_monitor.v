@@ -1,11 +1,11 @@
-// A monitor behind a video converter ADV7123, at the FPGA's pins. The converter takes colours and
+// A monitor after a video converter ADV7123, at the FPGA's pins. The converter takes colours and
 // BLANK with the rising edge of its clock, and shows them with the next one (Analog Devices, ADV7123
 // data sheet, pipeline delay); the sync pulses go to the connector as they are. Each clock is written
 // as four bytes: red, green, blue, and bit 0 visible, 1 HSYNC, 2 VSYNC. A colour in the blanking is
 // what no monitor forgives: it is an error.
 //
 // Prints "MONITOR-ERROR <reason>" for that, and for inputs that change within SETUP ps before the
-// clock's edge or HOLD ps behind it; "MONITOR clock <ps>" with the first pixel.
+// clock's edge or HOLD ps after it; "MONITOR clock <ps>" with the first pixel.
 
 `timescale 1ps/1ps
 

@@ -1,4 +1,4 @@
-// A monitor at VGA pins without a clock, behind resistors. Like a real one it knows the mode from the
+// A monitor at VGA pins without a clock, after resistors. Like a real one it knows the mode from the
 // sync pulses' lengths alone, here from parameters, divides the time between two HSYNC pulses into the
 // mode's pixels, and samples in the middle of each. It writes what vga_monitor.v does; "visible" is
 // where the mode has its picture, counted from the pulses. A colour elsewhere is an error.
@@ -21,7 +21,7 @@ module vga_wire_monitor #(
         last = 0; line = 0; errors = 0; rows = 0; pulses = -1;
         file = $fopen("screen.bin", "wb");
     end
-    // Row n of those behind a frame's pulse begins with its n-th line pulse.
+    // Row n of those after a frame's pulse begins with its n-th line pulse.
     always @(posedge v) rows = 0;
 
     always @(posedge h) begin

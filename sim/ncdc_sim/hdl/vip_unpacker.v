@@ -1,7 +1,7 @@
 // Takes the packets of Intel's Video and Image Processing Suite apart again: a control packet, then
 // a packet of pixels, of which the pixels leave as one packet. It knows the protocol's rules alone.
 //
-// A breach prints AVALON-ERROR vip rule time: "latency", a beat that comes though `ready` was low in
+// A violation prints AVALON-ERROR vip rule time: "latency", a beat that comes though `ready` was low in
 // the clock before; "type", a packet that is neither of control nor of pixels; "order", pixels
 // without a control packet right before them; "control", one that is not of four beats, progressive,
 // and four bits a symbol; "size", pixels that are not as many as it has said; "packet", a packet that
@@ -30,7 +30,7 @@ module vip_unpacker (
     wire [15:0] width = control[35:20], height = control[19:4];
     wire [35:0] next_control = {control[23:0], in_data[3:0], in_data[11:8], in_data[19:16]};
 
-    // What comes waits here: `in_ready` tells one clock ahead that there is room.
+    // What comes waits here: `in_ready` says one clock in advance that there is space.
     reg  [25:0] queue [0:7];
     reg  [2:0]  first = 0;
     reg  [3:0]  count = 0;

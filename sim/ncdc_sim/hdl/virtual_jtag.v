@@ -1,6 +1,6 @@
 // Intel's virtual TAP with a host at the other end of the cable, written from "Virtual JTAG Intel FPGA
 // IP Core User Guide" (UG-SLDVRTL): `tck` rises only while the host scans; the virtual states change
-// behind its rising edge, `tdi` with its falling one, and the host takes `tdo` before the next rise.
+// after its rising edge, `tdi` with its falling one, and the host takes `tdo` before the next rise.
 //
 // From jtag_at_us on the host scans the jtag_count values of jtag_scans, 64 bits each in hexadecimal,
 // the first on top, with 20 us between them; each prints "JTAG <what came out>".
@@ -31,7 +31,7 @@ module sld_virtual_jtag #(
     assign virtual_state_pdr = 0, virtual_state_e2dr = 0, virtual_state_cir = 0;
     assign virtual_state_uir = 0;
 
-    // A clock at whose rise the present state counts; the next one begins behind it.
+    // A clock at whose rise the present state counts; the next one begins after it.
     task clock(input [2:0] next);
         begin
             #HALF tck = 1;

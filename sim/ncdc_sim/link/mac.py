@@ -36,8 +36,10 @@ class _Sender(LiteXModule):
 
 
 def mac_verilog(device):
-    """Verilog of the module ``mac`` for a device of Altera's, and of the cells in it: frames of a
-    packetiser, by its own clock, to RGMII's wires at 1000 Mbit/s."""
+    """Verilog of the module ``mac`` for a device of Altera's, and of the cells in it.
+
+    It sends frames of a packetiser, by its own clock, on RGMII's wires at 1000 Mbit/s.
+    """
     pins = [(name, 0, *(Subsignal(member, Pins(" ".join(f"{name}_{member}_{k}"
                                                         for k in range(bits))))
                         for member, bits in members.items())) for name, members in _PINS.items()]

@@ -1,7 +1,7 @@
-"""LiteDRAM, a memory controller that others wrote, as a memory of the frame bench.
+"""LiteDRAM, a third-party memory controller, as a memory of the frame bench.
 
-The Verilog of the controller and of LiteDRAM's model of PHY and memory is made by the package
-``litedram`` when it is asked for; none of it is kept here.
+The package ``litedram`` generates the Verilog of the controller and of LiteDRAM's model of PHY and
+memory on request; the repository holds none of it.
 """
 
 import importlib.metadata
@@ -29,9 +29,9 @@ class LiteDram:
     native : int
         Bits of its native ports.
     address_bits : int
-        Of a native word's address: row, bank, column from the top.
+        Bits of a native word's address: row, bank, column from the top.
     banks, column_bits : int
-        Of the memory; columns count native words.
+        Banks and column bits of the memory; columns count native words.
     config : dict
         For LiteDRAM's generator, ports aside.
     """

@@ -1,1 +1,1 @@
-"""Sensors in simulation: the Verilog model, its twin in NumPy, scenes that move."""
+"""Sensors in simulation: the Verilog model, its reference model in NumPy, scenes that move."""

@@ -22,15 +22,15 @@ _STEPS = 12             # of Newton's iteration: the last ones change less than 
 
 
 def still_raw(setup, crop, raw):
-    """:class:`Light` of a raw frame of bytes, which capture's :class:`Crop` makes the frame again.
+    """:class:`Light` of a raw frame of bytes, from which capture's :class:`Crop` gives that frame.
 
-    Of a sensor that reduces, each active pixel lies between two pixels of its colour in ``raw``,
-    linearly; so reduced and evened they make ``raw`` again but for its finest detail.
+    With a sensor that reduces, each active pixel is interpolated linearly between two pixels of its
+    colour in ``raw``. Reduced and evened they give ``raw`` again, but for its finest detail.
     """
     asked, crop = setup.settings, Crop(*crop)
     if asked.skip == 1 and not crop.grid:
         return Light(_samples(setup, raw)[None], asked.left + crop.left, asked.top + crop.top)
-    x, y = _places(setup, crop, raw.shape)
+    x, y = _sources(setup, crop, raw.shape)
     active = np.empty((len(y), len(x)), np.float32)
     for row, column in product((0, 1), (0, 1)):
         # The raw frame begins so many samples, hence so many colours, into what the sensor sends.
@@ -45,7 +45,7 @@ def moving_photo(descriptor, setup, crop, photo, frames, velocity):
     """:class:`Light` of frames in which what is on a photo moves, as the lens would show it.
 
     With the map M from corrected to distorted pixels, pixel x of a frame shows the photo at
-    M(M^-1(x) - d), with the way d that the scene has gone when the row of x is exposed. Beyond the
+    M(M^-1(x) - d). Here d is the scene's displacement when the row of x is exposed. Beyond the
     edges of the corrected picture the scene is mirrored.
 
     Parameters
@@ -53,7 +53,7 @@ def moving_photo(descriptor, setup, crop, photo, frames, velocity):
     descriptor : Descriptor
     setup : Setup
     crop : Crop
-        What capture makes of the sensor's frames: there the photo begins.
+        The part of the sensor's frames that capture keeps: there the photo begins.
     photo : ndarray of uint8, shape (distorted height, distorted width, 3)
     frames : int
     velocity : (float, float)
@@ -67,7 +67,7 @@ def moving_photo(descriptor, setup, crop, photo, frames, velocity):
     left, top = asked.left, asked.top
     if reduced:
         _check_bytes(setup, crop, frames)
-        places = _places(setup, crop, photo.shape)
+        coordinates = _sources(setup, crop, photo.shape)
     else:
         left, top = left + crop.left, top + crop.top
     bayer = MONO if descriptor.geometry.mono else bayer_at(sensor.bayer, left, top)
@@ -84,17 +84,17 @@ def moving_photo(descriptor, setup, crop, photo, frames, velocity):
                 for table in forward)
         moved = cv2.remap(photo, x, y, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REFLECT_101)
         if reduced:
-            moved = np.rint(_between(moved.astype(np.float32), *places)).astype(np.uint8)
+            moved = np.rint(_between(moved.astype(np.float32), *coordinates)).astype(np.uint8)
         made.append(_samples(setup, mosaic(moved, bayer)))
     return Light(np.array(made), left, top)
 
 
 def _samples(setup, values):
-    """Samples of 12 bits of bytes, 255 the brightest that is told apart from black."""
+    """Samples of 12 bits of bytes; 255 becomes the brightest sample after the black level."""
     return np.round(values * ((_FULL - setup.sensor.black) / 255)).astype(np.uint16)
 
 
-def _places(setup, crop, shape):
+def _sources(setup, crop, shape):
     """Where in raw frames of ``shape``, (height, width, ...), the active pixels of the sensor's
     window lie: columns, rows."""
     asked = setup.settings
@@ -125,8 +125,10 @@ def _check_bytes(setup, crop, frames):
 
 
 def _inverse(forward, shape):
-    """Corrected (u, v) of every distorted pixel of a picture of ``shape``; where the map does not
-    reach, of the nearest place that Newton's iteration finds."""
+    """Corrected (u, v) of every distorted pixel of a picture of ``shape``.
+
+    Outside the map's range they are those of the nearest point that Newton's iteration finds.
+    """
     height, width = forward[0].shape
     y, x = np.indices(shape, np.float64)
     u, v = x * (width / shape[1]), y * (height / shape[0])

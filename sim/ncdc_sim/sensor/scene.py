@@ -16,11 +16,10 @@ _FULL = 4095            # of a sample
 
 
 def row_times(setup, frame):
-    """Seconds at which the rows of a frame are in the middle of their exposure, in the order in
-    which they lie in the window, from its top on.
+    """Seconds of the middle of the exposure of a frame's rows, from the window's top on.
 
-    Rows are read one a line, in the order of the set-up; time 0 is the begin of the reading of
-    frame 0. What moves meanwhile is not blurred.
+    Rows are read one a line, in the configured order; time 0 is the begin of the reading of
+    frame 0. Motion during an exposure is not blurred.
     """
     timing = setup.timing
     lines = frame * timing.frame_lines + np.arange(timing.height)

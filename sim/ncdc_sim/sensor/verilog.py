@@ -11,7 +11,7 @@ __all__ = ["AWAKE", "Light", "Fault", "sensor_sources"]
 _FILES = ("sensor.v", "sensor_core.v", "sensor_i2c.v", "sensor_waking.v", "sensor_mt9p031.v",
           "sensor_mt9d111.v", "sensor_ov5640.v")
 AWAKE = 10**6
-"""So many times shorter reset and rest are that the model needs none: for simulations of what comes
+"""Time scale with which the model needs neither reset nor rest: for simulations of what comes
 after them."""
 
 
@@ -22,12 +22,12 @@ def sensor_sources():
 
 @dataclass(frozen=True)
 class Light:
-    """What falls on a sensor, as samples.
+    """The light on a sensor, as samples.
 
     Parameters
     ----------
     frames : array of uint16, shape (frames, height, width)
-        Samples of 12 bits, as the sensor would send them with the exposure ``nominal``, a gain of 1
+        Samples of 12 bits, those that the sensor sends with the exposure ``nominal``, a gain of 1
         and no black level.
     left, top : int
         Active pixel of the first column, and row; pixels outside are dark.
@@ -44,8 +44,8 @@ class Light:
         return np.ascontiguousarray(self.frames, "<u2").tobytes()
 
     def plusargs(self, file, time_scale=AWAKE):
-        """Of the model, which finds the bytes in ``file``; so many times shorter than the true
-        ones are its reset and its rest."""
+        """Plusargs of the model, which reads ``file``; ``time_scale`` divides the times of its
+        reset and its rest."""
         height, width = self.frames.shape[1:]
         return [f"+sensor_file={file}", f"+sensor_file_width={width}",
                 f"+sensor_file_height={height}", f"+sensor_file_left={self.left}",
@@ -55,13 +55,13 @@ class Light:
 
 @dataclass(frozen=True)
 class Fault:
-    """What the model does wrong, once.
+    """A fault of the model, once.
 
     Parameters
     ----------
     kind : str
         "short_line", "long_line", "glitch", "cut_frame", "clock_stop", in a frame and row;
-        "nack", "stuck_sda", behind a START condition; "unplug", from an external clock on. All
+"nack", "stuck_sda", after a START condition; "unplug", from an external clock on. All
         count from 0.
     frame, row, start : int
     clocks : int
@@ -75,7 +75,7 @@ class Fault:
     clocks: int = 0
 
     def plusargs(self):
-        """Of the model."""
+        """Plusargs of the model."""
         given = {"": self.kind, "_frame": self.frame, "_row": self.row, "_start": self.start}
         if self.clocks:
             given["_clocks"] = self.clocks

@@ -14,7 +14,7 @@ def adapted(verilog, *, core, top, lines=None, pending=16):
     """Verilog with a module ``top`` whose Avalon ports reach the module ``core`` of ``verilog``.
 
     Memory, host and sink of the benches then serve AXI, through models that share no code with the
-    gateware (``axi_memory.v``), beside :mod:`axi_checker.v` on each port. An interrupt that comes
+    gateware (``axi_memory.v``), with :mod:`axi_checker.v` on each port. An interrupt that comes
     while a write has no answer is an error.
 
     Parameters

@@ -14,17 +14,17 @@ _COUNTERS = ("LINE_FAULTS", "FRAMES_CUT", "OVERFLOWS", "FRAMES_MISSED", "CLOCK_S
              "RAW_ENDED_BAD", "RAW_TAKEN", "RAW_SKIPPED", "CORRECTED_BEGUN", "CORRECTED_ENDED_BAD",
              "CORRECTED_TAKEN")
 
-_PATIENCE = 1_000_000       # clocks for a frame to come, beside the time of six
+_TIMEOUT = 1_000_000       # clocks for a frame to come, plus the time of six
 
 
 @dataclass(frozen=True)
 class CameraFrame:
-    """A corrected frame, beside the golden model's of its own raw frame.
+    """A corrected frame, and the golden model's of its own raw frame.
 
     Parameters
     ----------
     number : int
-        Of its raw frame, from 1 on.
+        Number of its raw frame, from 1 on.
     picture, golden : ndarray of uint8, shape (height, width, 3)
     clocks : int
         That the corrector took for it.
@@ -45,7 +45,7 @@ class CameraFrame:
 
 @dataclass
 class CameraRun:
-    """What became of a camera's frames.
+    """Results of a camera's frames.
 
     Parameters
     ----------
@@ -57,7 +57,7 @@ class CameraRun:
     i2c_errors : list of str
         Flags of `I2C_RESULT` that ended commands.
     clocks : int
-        Of the whole run.
+        Clocks of the whole run.
     """
     frames: list = field(default_factory=list)
     counters: dict = field(default_factory=dict)
@@ -88,7 +88,7 @@ def simulate_camera(system, setup, light, *, count, follow=False, disturb=None,
         As of :func:`running`.
     count : int
     follow : bool
-        Whether the corrector follows the camera row by row.
+        Early start: whether the corrector follows the camera row by row.
     disturb : callable, optional
         ``disturb(host)`` is called when the first frame has come.
     progress : callable
@@ -104,7 +104,7 @@ def simulate_camera(system, setup, light, *, count, follow=False, disturb=None,
     result = CameraRun()
     with running(system, setup, light, registers={"RUN_FOLLOW": int(follow)}, **run) as camera:
         host, live = camera.host, camera.host.live
-        limit = 6 * camera.frame_clocks + _PATIENCE
+        limit = 6 * camera.frame_clocks + _TIMEOUT
         host.camera.listen("CORRECTED_FRAME", "CORRECTED_BAD", "RAW_BAD")
         while len(result.frames) < count:
             if not live.wait_irq(limit):

@@ -34,29 +34,29 @@ __all__ = ["Simulation", "corrector_program", "simulate_correction", "tiles_fetc
 
 @dataclass(frozen=True)
 class Simulation:
-    """What the Verilog made of a frame, beside the golden model's.
+    """A frame corrected by the Verilog, and the golden model's.
 
     Parameters
     ----------
     picture, golden : ndarray of uint8, shape (height, width, 3)
     stored, expected : ndarray of uint8, shape (height, width, bytes of a pixel)
-        The same as memory holds them, all bytes of the format; of a stream the pictures.
+        The same as memory holds them, all bytes of the format. With a stream, the pictures.
     blank : ndarray of bool, shape (height, width)
         Pixels without a source, of the golden model.
     counters : dict
         The corrector's own counters, by name.
     fetches_expected : int
-        Windows, or tiles, that the golden model says are read.
+        Windows, or tiles, read by the golden model.
     bytes_read, bytes_written : int
         On the memory's ports.
     bytes_outside : int
-        Of these those that are no part of the raw frame's place, and none of a pixel.
+        Those of these bytes that are outside the raw frame and the corrected one.
     clocks_outside : int
         From the start's register write to the interrupt, counted by the bench.
     follow : dict
-        Of a frame that begins with the camera's: ``follow_latency_clocks``, from the camera's last
-        byte in memory to the interrupt, and ``follow_early_reads``, read commands for rows that
-        were not in memory yet; empty otherwise.
+        Figures of a frame with early start, else empty. ``follow_latency_clocks``: from the
+        camera's last byte in memory to the interrupt. ``follow_early_reads``: read commands for
+        rows that were not in memory yet.
     sums, sums_expected : dict
         The corrector's sums of the frame's colours, by name, and the golden model's; empty where
         the hardware has none.
@@ -104,10 +104,12 @@ class Simulation:
 
 
 def corrector_program(descriptor, hardware, checked=True, follow=False, colour=Colour()):
-    """Register accesses that a host makes to correct one frame: every parameter is written
-    (and, if ``checked``, read back), a frame started and awaited, the counters read. With
-    ``follow`` the camera begins its frame just before the start. ``colour`` is of hardware that has
-    it."""
+    """Register accesses of a host to correct one frame.
+
+    Every parameter is written (and, if ``checked``, read back), a frame started and awaited, the
+    counters read. With ``follow`` the camera begins its frame just before the start. ``colour`` is
+    of hardware that has it.
+    """
     host = host_values(descriptor, hardware, follow=follow, colour=colour)
     rows = _rows(descriptor, hardware)
     writes = [(rows[name].address, value)
@@ -116,7 +118,7 @@ def corrector_program(descriptor, hardware, checked=True, follow=False, colour=C
     target = host["TARGET_BASE"]
     written = 0 if hardware.stream else frame_bytes(descriptor.geometry,
                                                     output_format(hardware.format))
-    program = Program().place((host["SOURCE_BASE"], host["SOURCE_LIMIT"]),
+    program = Program().allow((host["SOURCE_BASE"], host["SOURCE_LIMIT"]),
                               (target, target + written))
     for address, value in [*writes, (rows["IRQ_ENABLE"].address, 1)]:
         program.write(address, value)
@@ -132,7 +134,7 @@ def corrector_program(descriptor, hardware, checked=True, follow=False, colour=C
 
 
 def _follow(result):
-    """How the frame of ``result`` followed its camera's."""
+    """Latency and early reads of a frame with early start."""
     return {"follow_latency_clocks": result.ends[0] - result.counters["camera_end"],
             "follow_early_reads": result.counters["early_reads"]}
 
@@ -188,14 +190,14 @@ def simulate_correction(descriptor, raw, hardware=Hardware(), *, verilog=None, f
     hardware = hardware.made_for(descriptor)
     if verilog is None:
         verilog = corrector_verilog(descriptor, hardware)
-    places = FramePlaces.after_reset(geometry, hardware.data_width)
+    buffers = FramePlaces.after_reset(geometry, hardware.data_width)
     width, height = geometry.corrected
     form, follow = output_format(hardware.format), follow_line is not None
-    camera = Camera(*geometry.distorted, places.pitch, follow_line) if follow else None
+    camera = Camera(*geometry.distorted, buffers.pitch, follow_line) if follow else None
     result = simulate_frame(
-        verilog, raw_image(raw, places.pitch),
+        verilog, raw_image(raw, buffers.pitch),
         corrector_program(descriptor, hardware, follow=follow, colour=colour),
-        source_base=places.source, output_base=places.target,
+        source_base=buffers.source, output_base=buffers.target,
         output_bytes=3 * width * height if hardware.stream else frame_bytes(geometry, form),
         camera=camera, progress=progress, memory=memory, **run)
     stored = np.frombuffer(result.output, np.uint8).reshape(height, width, -1)

@@ -1,7 +1,8 @@
-"""Simulation of whole frames: the generated Verilog against a memory model."""
+"""Simulation of whole frames: the generated Verilog with a memory model."""
 
 import tempfile
 from dataclasses import dataclass, field
+from enum import IntEnum
 from pathlib import Path
 
 from ncdc_sim.memory.litedram import LiteDram, litedram_sources
@@ -18,8 +19,24 @@ __all__ = ["Camera", "FrameResult", "Program", "Run", "simulate_frame"]
 TOP = "ncdc"
 BENCH = ("frame_bench.v", "avalon_checker.v", "stream_checker.v")
 MODEL = ("avalon_memory.v", "dram_timing.v")
-LEAST_MEMORY = 1 << 24          # bytes; more frame sizes share one build
+MIN_MEMORY = 1 << 24          # bytes; more frame sizes share one build
 PROGRAM_LIMIT = 65536           # operations that the bench holds
+
+
+class Operation(IntEnum):
+    """Operations of the bench, with their numbers in ``frame_bench.v``."""
+    END = 0
+    WRITE = 1
+    COMPARE = 2
+    WAIT_IRQ = 3
+    REPORT = 4
+    WAIT = 5
+    WAIT_OUTPUT = 6
+    RESET = 7
+    POLL = 8
+    CAMERA = 9
+    RESET_ALL = 10
+    ALLOW = 11
 
 
 @dataclass(frozen=True)
@@ -46,57 +63,57 @@ class Program:
 
     def write(self, address, value):
         """Write ``value`` (32 bits)."""
-        return self._add(1, address, value & 0xFFFFFFFF)
+        return self._add(Operation.WRITE, address, value & 0xFFFFFFFF)
 
     def compare(self, address, value):
         """Read, and fail the run unless ``value`` is read."""
-        return self._add(2, address, value & 0xFFFFFFFF)
+        return self._add(Operation.COMPARE, address, value & 0xFFFFFFFF)
 
     def wait_irq(self):
         """Wait for the interrupt; the frame's clocks count from the write before it."""
-        return self._add(3, 0, 0)
+        return self._add(Operation.WAIT_IRQ, 0, 0)
 
     def read(self, address):
         """Read; the value appears in :attr:`FrameResult.registers`."""
-        return self._add(4, address, 0)
+        return self._add(Operation.REPORT, address, 0)
 
     def wait(self, clocks):
         """Let so many clocks go by."""
-        return self._add(5, 0, clocks)
+        return self._add(Operation.WAIT, 0, clocks)
 
     def wait_output(self, count):
         """Wait until ``count`` bytes of output, counted from the start of the run, are out."""
-        return self._add(6, 0, count)
+        return self._add(Operation.WAIT_OUTPUT, 0, count)
 
     def reset(self, clocks=1):
         """Reset the module, not the memory, for so many clocks, whatever it is doing."""
-        return self._add(7, 0, clocks)
+        return self._add(Operation.RESET, 0, clocks)
 
     def reset_all(self, clocks=1, trails=0):
         """Reset the module, and the memory, which forgets its reads, for so many clocks each.
 
         The memory's reset trails the module's by ``trails`` clocks, or leads if negative.
         """
-        return self._add(10, 0, clocks | (trails & 0xFFFF) << 16)
+        return self._add(Operation.RESET_ALL, 0, clocks | (trails & 0xFFFF) << 16)
 
     def poll(self, address, value):
         """Read until ``value`` is read."""
-        return self._add(8, address, value & 0xFFFFFFFF)
+        return self._add(Operation.POLL, address, value & 0xFFFFFFFF)
 
     def camera(self, address):
         """Let the camera begin its next frame, the next of the source, at the byte address."""
-        return self._add(9, 0, address)
+        return self._add(Operation.CAMERA, 0, address)
 
-    def place(self, source, target):
-        """From here on only these byte addresses, (begin, end) each, may be read and written."""
+    def allow(self, source, target):
+        """From here on, allow reads and writes in these byte ranges only, (begin, end) each."""
         for k, address in enumerate((*source, *target)):
-            self._add(11, k, address)
+            self._add(Operation.ALLOW, k, address)
         return self
 
     def text(self):
         """The program as the bench reads it."""
         return "".join(f"{op:02x}{address:06x}{value:08x}\n"
-                       for op, address, value in [*self.operations, (0, 0, 0)])
+                       for op, address, value in [*self.operations, (Operation.END, 0, 0)])
 
     def _add(self, op, address, value):
         self.operations.append((op, address, value))
@@ -105,7 +122,7 @@ class Program:
 
 @dataclass
 class FrameResult:
-    """What a run measured.
+    """Measurements of a run.
 
     Parameters
     ----------
@@ -129,10 +146,10 @@ class FrameResult:
     reads : tuple of (int, int)
         Word address and value of every read, in order.
     counters : dict
-        Commands, beats and wait clocks of each port: ``read0_commands``, ``output_waits`` ...;
-        ``outside_bytes`` that were read or written outside the places that the program named;
-        with a camera ``camera_end``, the clock in which its last byte was in memory, and
-        ``early_reads``, read commands for rows of its frame that were not.
+        Commands, beats and wait clocks of each port: ``read0_commands``, ``output_waits`` ...
+        ``outside_bytes``: read or written outside the ranges that the program allows. With a
+        camera ``camera_end``: the clock in which its last byte was in memory; ``early_reads``: read
+        commands for rows of its frame that were not.
     errors : tuple of str
         Protocol errors and failures, as printed.
     """
@@ -152,7 +169,7 @@ class FrameResult:
 
 @dataclass(frozen=True)
 class Run:
-    """On what a frame is simulated.
+    """Memory, simulator and options of a simulation.
 
     Parameters
     ----------
@@ -163,13 +180,13 @@ class Run:
     clock_limit : int, optional
         Clocks after which the run is given up; 100 per output byte and a million if absent.
     seed : int
-        Of all random behaviour.
+        Seed of all random behaviour.
     sink_chance : int
         How often, of 256 clocks, the sink of a stream is ready.
     waves : Waves, optional
         Where to write the waveforms.
     more : sequence of str
-        Plusargs of what the Verilog has besides.
+        Further plusargs.
     """
     memory: object = "ideal"
     simulator: str = "verilator"
@@ -184,7 +201,7 @@ def simulate_frame(verilog, source, program, *, source_base, output_base, output
                    progress=None, **run):
     """Run the module ``ncdc`` of ``verilog`` on one raw frame.
 
-    The data width, the number of read ports and the kind of output follow from its ports.
+    Its ports give the data width, the number of read ports and the kind of output.
 
     Parameters
     ----------
@@ -198,7 +215,7 @@ def simulate_frame(verilog, source, program, *, source_base, output_base, output
     output_bytes : int
         Size of the output: in memory from ``output_base`` on, or 3 bytes per pixel of a stream.
     camera : Camera, optional
-        Sends the source when the program says so; until then the memory holds 0xA5 in its place.
+        Sends the source when the program says so; until then the memory holds 0xA5 there.
     progress : callable
         Called with the fraction of the output done, 0..1, now and then.
     run :
@@ -213,8 +230,8 @@ def simulate_frame(verilog, source, program, *, source_base, output_base, output
     InputError
         If the simulator is missing, or a base or size does not fit.
     SimulationError
-        If the Verilog does not compile, breaks a rule of its buses, reads a wrong register value,
-        or does not end in time; it holds the result as far as it goes.
+        If the Verilog does not compile, violates a rule of its buses, reads a wrong register value,
+        or does not end in time. It holds the result so far.
     """
     run = Run(**run)
     memory = simulated_memory(run.memory)
@@ -274,7 +291,7 @@ class _Module:
                   "NCDC_READ_BURST_WIDTH": ports["read0_burstcount"],
                   "NCDC_WRITE_BURST_WIDTH": ports.get("write_burstcount", 1),
                   "NCDC_CSR_ADDRESS_WIDTH": ports["csr_address"],
-                  "NCDC_MEMORY_BYTES": max(LEAST_MEMORY, 1 << (end - 1).bit_length())}
+                  "NCDC_MEMORY_BYTES": max(MIN_MEMORY, 1 << (end - 1).bit_length())}
         macros |= {"NCDC_THREE_READ_PORTS": None} if self.readers == 3 else {}
         return macros | ({"NCDC_STREAM": ports["stream_data"] // 24} if self.stream else {})
 

@@ -34,7 +34,7 @@ class SystemHost:
     Attributes
     ----------
     camera : Camera
-        Of ``ncdc_camera.py``.
+        Instance of ``ncdc_camera.py``'s class.
     """
 
     def __init__(self, live, system):
@@ -81,7 +81,7 @@ class SystemHost:
 
 
 def _driver(registers_text):
-    """The module ``ncdc_camera``, beside a module ``ncdc_registers`` of this text."""
+    """The module ``ncdc_camera``, with a module ``ncdc_registers`` of this text."""
     text = (files("ncdc_hdl.export.drivers") / "host" / "ncdc_camera.py").read_text()
     modules = {name: ModuleType(name) for name in ("ncdc_registers", "ncdc_camera")}
     exec(registers_text, vars(modules["ncdc_registers"]))

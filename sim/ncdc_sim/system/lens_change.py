@@ -27,7 +27,7 @@ __all__ = ["LensChange", "simulate_lens_change"]
 
 @dataclass(frozen=True)
 class LensChange:
-    """What the Verilog made of the frames.
+    """Results of the frames.
 
     Parameters
     ----------
@@ -55,7 +55,7 @@ def simulate_lens_change(corrector, verilog, cameras, frames, *, intruder=False,
     """Correct ``frames`` frames, the cameras taking turns, each started while the last one runs.
 
     While frame k runs the host writes all registers and valid rows for frame k + 1, commits and
-    starts it. It checks that nothing of that was refused and that the bank in use is frame k's.
+    starts it. It checks that no write was rejected and that the bank in use is frame k's.
 
     Parameters
     ----------
@@ -65,8 +65,8 @@ def simulate_lens_change(corrector, verilog, cameras, frames, *, intruder=False,
         Each with its raw frame.
     frames : int
     intruder : bool
-        After each commit write other values to every register of the set and to the valid rows;
-        the corrector must refuse them.
+        After each commit write other values to every register of the set and to the valid rows.
+        The corrector must reject them.
     options :
         As of :func:`ncdc_sim.system.frame.simulate_frame`.
     """
@@ -85,7 +85,7 @@ def simulate_lens_change(corrector, verilog, cameras, frames, *, intruder=False,
 
 @dataclass(frozen=True)
 class _Layout:
-    """Where every camera's raw frame and every corrected frame lies.
+    """Addresses of every camera's raw frame and of every corrected frame.
 
     Parameters
     ----------
@@ -99,7 +99,7 @@ class _Layout:
     outputs : list of int
         Where each corrected frame begins in the run's output.
     base, length : int
-        What the run keeps as its output: byte address, and bytes.
+        Byte address and size of the run's output.
     stream : bool
         The output is a stream, 3 bytes per pixel.
     geometries : list of Geometry
@@ -128,10 +128,10 @@ class _Layout:
             image = raw_image(raw, lens.values["SOURCE_PITCH"])
             content += image.ljust(aligned(len(image)), b"\0")
         turns = [cameras[k % len(cameras)][0].geometry for k in range(frames)]
-        targets = _places(len(content), [aligned(frame_bytes(one)) for one in turns])
-        outputs, base = [place - targets[0] for place in targets], targets[0]
+        targets = _starts(len(content), [aligned(frame_bytes(one)) for one in turns])
+        outputs, base = [target - targets[0] for target in targets], targets[0]
         if corrector.hardware.stream:
-            outputs, base = _places(0, [output_bytes(one, True) for one in turns]), 0
+            outputs, base = _starts(0, [output_bytes(one, True) for one in turns]), 0
         return cls(lenses, content, sources, targets[:-1], outputs[:-1], base, outputs[-1],
                    corrector.hardware.stream, [camera.geometry for camera, _ in cameras],
                    corrector.hardware.data_width)
@@ -142,8 +142,8 @@ class _Layout:
                                                 range(len(self.outputs))], self.stream)
 
 
-def _places(start, sizes):
-    """Where pieces of these sizes begin, one after the other from ``start`` on, and their end."""
+def _starts(start, sizes):
+    """Addresses of consecutive pieces of these sizes from ``start`` on, and their end."""
     return np.cumsum([start, *sizes]).tolist()
 
 
@@ -165,8 +165,8 @@ def _prepare(program, layout, rows, k, intruder):
     """Write the set and the valid rows of frame ``k``, commit and start."""
     turn, bank = k % len(layout.lenses), k % 2
     lens = layout.lenses[turn]
-    places = FramePlaces(layout.sources[turn], layout.targets[k], lens.values["SOURCE_PITCH"])
-    changed = lens.values | place_values(layout.geometries[turn], layout.data_width, places) | {
+    buffers = FramePlaces(layout.sources[turn], layout.targets[k], lens.values["SOURCE_PITCH"])
+    changed = lens.values | place_values(layout.geometries[turn], layout.data_width, buffers) | {
         "VALID_BANK": bank}
     for name, value in changed.items():
         program.write(rows[name].address, value)

@@ -63,23 +63,23 @@ _WRITTEN = 400              # clocks in which its queue is empty
 
 @dataclass(frozen=True)
 class ModuleRun:
-    """What a run gave.
+    """Results of a run.
 
     Parameters
     ----------
     pixels, different : int
-        Of all frames: compared, and those of them that are not the golden model's.
+        Pixels of all frames: compared, and those that are not the golden model's.
     clocks : tuple of int
-        Of each frame, start to last pixel: the corrector's own counter.
+        Clocks of each frame, start to last pixel: the corrector's own counter.
     interrupts : tuple of int
         Clocks from each start's write to the interrupt.
     pending : tuple of int
-        What the event manager says behind each frame, and behind the end of its interrupt.
+        The event manager's pending bit after each frame, and after the end of its interrupt.
     ends : tuple of (int, int)
         Numbers of the pixels that were the first and last of a frame, of a stream.
     waits : tuple of (int, int, int)
-        Of each frame in which a master on the bus reads words of memory: how many, the clocks of
-        all, those of the slowest.
+        For each frame with a master that reads words of memory: their number, the clocks of all,
+        those of the slowest.
     errors : tuple of str
         Rules of bus and stream that were broken.
     """
@@ -106,8 +106,8 @@ def simulate_module(descriptor, raw, hardware=Hardware(format="BGR8"), cpu="none
         One of ``CPUS``.
     frames : int
     sink : int or None
-        How often, of 256 clocks, the sink of a stream is ready; None: it is LiteDRAM's DMA, which
-        writes into memory.
+        How often, of 256 clocks, the sink of a stream is ready. None: the sink is LiteDRAM's DMA,
+        which writes into memory.
     cut : sequence of int
         Frames before these: the whole system is reset so many clocks after each one's start.
     reads : bool
@@ -151,22 +151,24 @@ def simulate_module(descriptor, raw, hardware=Hardware(format="BGR8"), cpu="none
 def _fill(folder, soc, descriptor, hardware, raw, frames):
     """Write what the program reads: the raw frame, the operations."""
     geometry = descriptor.geometry
-    places = FramePlaces.after_reset(geometry, hardware.data_width)
+    buffers = FramePlaces.after_reset(geometry, hardware.data_width)
     stored = output_format("BGRX8" if hardware.stream else hardware.format)
     record = frames[2]
     size = 0 if hardware.stream and not record else target_bytes(geometry, hardware.data_width,
                                                                  stored)
-    target = _RECORDED if record else places.target
-    source = raw_image(raw, places.pitch).ljust(source_bytes(geometry, places.pitch), b"\0")
+    target = _RECORDED if record else buffers.target
+    source = raw_image(raw, buffers.pitch).ljust(source_bytes(geometry, buffers.pitch), b"\0")
     (folder / "source.bin").write_bytes(source)
     operations = _program(descriptor, soc.registers, target, size, frames)
     (folder / "program.txt").write_text("\n".join(operations) + "\n")
 
 
 def _program(descriptor, csrs, target, size, frames):
-    """Operations of the master on the bus, see ``litex_main.cpp``; ``frames``: the clocks after
-    which some are cut, the number of others, whether LiteDRAM's DMA writes them, whether words of
-    memory are read meanwhile."""
+    """Operations of the master on the bus, see ``litex_main.cpp``.
+
+    ``frames``: the clocks after which some are cut, the number of others, whether LiteDRAM's DMA
+    writes them, whether words of memory are read meanwhile.
+    """
     cut, whole, record, reads = frames
     rows, pending = _rows(descriptor), csrs["ncdc_ev_pending"]
     yield f"l {MAIN_RAM:x}"

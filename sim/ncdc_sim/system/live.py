@@ -24,8 +24,8 @@ _END, _WRITE, _READ, _WAIT_IRQ, _WAIT, _SAVE, _RESET, _RESET_ALL, _STALL, _SENSO
     _USB_SEND, _USB_GOT = range(13)
 # With -O2 GCC 12 takes some words of 128 bits of the model for aligned ones, which they are not.
 _OPTIONS = ("-CFLAGS", "-fno-tree-slp-vectorize")
-_PATIENCE_S = 60                # for a run to end by itself, and to close its waveforms
-_LEAST_MEMORY = 1 << 24         # bytes; more frame sizes share one build
+_TIMEOUT_S = 60                # for a run to end by itself, and to close its waveforms
+_MIN_MEMORY = 1 << 24         # bytes; more frame sizes share one build
 
 
 @dataclass(frozen=True)
@@ -38,7 +38,7 @@ class Clocks:
 
 @dataclass(frozen=True)
 class LiveRun:
-    """On what a system is simulated.
+    """Memory, clocks, simulator and options of a simulation.
 
     Parameters
     ----------
@@ -46,16 +46,16 @@ class LiveRun:
         As of :class:`ncdc_sim.system.frame.Run`, but for LiteDRAM.
     clocks : Clocks
     fault : Fault, optional
-        Of the sensor.
+        Fault of the sensor.
     simulator : str
     seed : int
-        Of the memory's random behaviour.
+        Seed of the memory's random behaviour.
     sink_chance : int
         How often, of 256 clocks, the sink of a stream is ready.
     waves : Waves, optional
-        Where to write the waveforms; they are there behind the context.
+        Where to write the waveforms; they are complete after the context.
     more : sequence of str
-        Plusargs of what the Verilog has besides.
+        Further plusargs.
     """
     memory: object = "sdram"
     clocks: Clocks = Clocks()
@@ -76,7 +76,7 @@ class LiveSystem:
     sensor : str
         Name of a model that :mod:`ncdc_sim.sensor` has.
     light : Light
-        What falls on it.
+        Light on the sensor.
     memory_bytes : int
         From byte address 0 on; at first it holds 0xA5.
     run :
@@ -129,7 +129,7 @@ class LiveSystem:
     def _build(self, verilog, ports, sensor, simulator, memory_bytes, options):
         defines = {"NCDC_DATA_WIDTH": self.width, "NCDC_READ_PORTS": self.readers,
                    "NCDC_READ_BURST_WIDTH": ports["read0_burstcount"],
-                   "NCDC_MEMORY_BYTES": max(_LEAST_MEMORY, 1 << (memory_bytes - 1).bit_length()),
+                   "NCDC_MEMORY_BYTES": max(_MIN_MEMORY, 1 << (memory_bytes - 1).bit_length()),
                    "NCDC_SENSOR": f'"{sensor}"'}
         if "usb_clock" in ports:
             defines |= {"NCDC_USB": self.readers - 1, "NCDC_USB_LANES": ports["usb_be_o"]}
@@ -152,10 +152,10 @@ class LiveSystem:
         return self._stack.__exit__(*failure)
 
     def _stop(self, kind, *_):
-        """End the program; by itself if it has waveforms to close, which its input's end tells."""
+        """End the program; with waveforms it ends by itself at the end of its input."""
         if self._records and (kind is None or issubclass(kind, SimulationError)):
             with suppress(subprocess.TimeoutExpired):
-                self._process.communicate(timeout=_PATIENCE_S)
+                self._process.communicate(timeout=_TIMEOUT_S)
         self._process.kill()
         self._process.communicate()
 

@@ -1,4 +1,4 @@
-"""Readers that claim frames at any time and take any time, beside a running camera."""
+"""Readers that claim frames at any time and take any time, with a running camera."""
 
 import random
 from dataclasses import dataclass
@@ -14,19 +14,19 @@ __all__ = ["ReadersRun", "simulate_readers"]
 
 @dataclass
 class ReadersRun:
-    """What readers saw.
+    """Frames of the readers, by result.
 
     Parameters
     ----------
     raw, corrected : int
-        Frames that were read whole and were as the golden model says.
+        Frames that were read whole and are the golden model's.
     torn : int
         Frames that were not, and were not marked.
     lost : int
-        Frames whose buffer was taken away meanwhile, which the reader was told.
+        Frames whose buffer was taken away meanwhile, as reported to the reader.
     begun, bad, skipped, taken : int
-        Raw frames begun, ended as bad and skipped by the corrector; buffers taken from readers and
-        the corrector: by the system's own counters.
+        The system's own counters: raw frames begun, ended as bad and skipped by the corrector;
+        buffers taken from readers and the corrector.
     """
     raw: int = 0
     corrected: int = 0
@@ -44,11 +44,11 @@ class _Reader:
     def __init__(self, host, number, golden):
         self.host, self.number, self.golden, self.frame = host, number, golden, None
 
-    def step(self, chance, run):
+    def step(self, rng, run):
         """Claim a frame, or end the one that is held and say in ``run`` what it was."""
         host = self.host
         if self.frame is None:
-            self.is_corrected = chance.random() < .5
+            self.is_corrected = rng.random() < .5
             frame = host.camera.claim(self.number, self.is_corrected)
             self.frame = frame and (frame, host.live.memory(frame.base, frame.size // 2))
             return
@@ -73,7 +73,7 @@ class _Reader:
 
 def simulate_readers(system, setup, light, *, count, seed, limit=0,
                      progress=lambda fraction: None, **run):
-    """Let a camera run for ``count`` raw frames beside readers that come and go at random.
+    """Let a camera run for ``count`` raw frames, with readers that come and go at random.
 
     Parameters
     ----------
@@ -91,7 +91,7 @@ def simulate_readers(system, setup, light, *, count, seed, limit=0,
     -------
     ReadersRun
     """
-    chance, result = random.Random(seed), ReadersRun()
+    rng, result = random.Random(seed), ReadersRun()
     with running(system, setup, light, registers={"READER_LIMIT": limit}, seed=seed,
                  **run) as camera:
         host, live = camera.host, camera.host.live
@@ -103,8 +103,8 @@ def simulate_readers(system, setup, light, *, count, seed, limit=0,
 
         readers = [_Reader(host, k, golden) for k in range(system.stores.readers)]
         while (begun := host.get("RAW_BEGUN")) < count:
-            chance.choice(readers).step(chance, result)
-            live.wait(int(chance.choice((.01, .3, 3)) * camera.frame_clocks * chance.random()))
+            rng.choice(readers).step(rng, result)
+            live.wait(int(rng.choice((.01, .3, 3)) * camera.frame_clocks * rng.random()))
             progress(begun / count)
         result.begun, result.bad, result.skipped = (
             host.get(name) for name in ("RAW_BEGUN", "RAW_ENDED_BAD", "RAW_SKIPPED"))

@@ -13,12 +13,12 @@ from ncdc_spec.registers.register_map import STATUS_DONE
 
 __all__ = ["Resets", "simulate_resets"]
 
-_MOST_TRAILS = 5        # clocks by which one of both resets comes and goes behind the other
+_MAX_TRAILS = 5         # clocks by which one of both resets comes and goes after the other
 
 
 @dataclass(frozen=True)
 class Resets:
-    """What came of the frames behind the resets.
+    """Results of the frames after the resets.
 
     Parameters
     ----------
@@ -32,17 +32,17 @@ class Resets:
 
 
 def simulate_resets(corrector, verilog, raws, frames, *, forgets, longest, seed=1, **options):
-    """Begin ``frames`` frames, reset each at a random clock, and correct a whole one behind it.
+    """Begin ``frames`` frames, reset each at a random clock, and correct a whole one after it.
 
     Parameters
     ----------
     corrector, verilog : Corrector, str
     raws : (ndarray, ndarray) of uint8
-        Raw frames of those that are cut short, and of those behind them.
+        Raw frames of those that are cut short, and of those after them.
     frames : int
     forgets : bool
-        The memory is reset with the corrector, sometimes some clocks earlier or later, and forgets
-        what it owes; else it is not reset, and answers.
+        Whether the memory is reset with the corrector, sometimes some clocks earlier or later, and
+        drops the reads under way. Else it is not reset, and answers.
     longest : int
         Clocks from a frame's start to its reset, at most.
     seed : int
@@ -70,12 +70,12 @@ def simulate_resets(corrector, verilog, raws, frames, *, forgets, longest, seed=
                                           FramePlaces(source, target, pitch)))
 
     for k in range(frames):
-        # The frame that is cut short goes to the first place, the others each to its own.
+        # The frame that is cut short goes to the first buffer, the others each to its own.
         begin_at(sources[0], base)
         program.wait(int(rng.integers(1, longest)))
         clocks = int(rng.integers(1, 60))
         if forgets:
-            trails = min(_MOST_TRAILS, clocks - 1)
+            trails = min(_MAX_TRAILS, clocks - 1)
             program.reset_all(clocks, int(rng.integers(-trails, trails, endpoint=True)))
         else:
             program.reset(clocks)
@@ -83,14 +83,14 @@ def simulate_resets(corrector, verilog, raws, frames, *, forgets, longest, seed=
         begin_at(sources[1], base + (k + 1) * step)
         program.wait_irq().write(rows["STATUS"], STATUS_DONE)
         program.write(rows["IRQ_ENABLE"], 0)
-    kept = (frames + 1) * step
+    span = (frames + 1) * step
     result = simulate_frame(
         verilog, images[0].ljust(sources[1], b"\0") + images[1], program, source_base=0,
-        output_base=base, output_bytes=2 * frames * size if stream else kept, seed=seed, **options)
+        output_base=base, output_bytes=2 * frames * size if stream else span, seed=seed, **options)
     golden = correct(d, raws[1]).picture
     count = output_bytes(d.geometry, stream)
     begins = [end - count for end in result.outputs] if stream else range(
-        step, kept, step)
+        step, span, step)
     before = (0, *result.outputs)
     return Resets(differing(result.output, begins, len(begins) * [golden], stream),
                   sum(0 < reset - out < count for reset, out in zip(result.resets, before)))

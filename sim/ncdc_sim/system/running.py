@@ -7,7 +7,7 @@ import numpy as np
 
 from ncdc_hdl.camera.i2c import quarter_clocks
 from ncdc_hdl.export.verilog.system_cover import system_verilog
-from ncdc_sim.sensor.twin import raw_frames
+from ncdc_sim.sensor.reference import raw_frames
 from ncdc_sim.system.host import SystemHost
 from ncdc_sim.system.live import Clocks, LiveSystem
 from ncdc_spec.registers.system_values import memory_bytes
@@ -52,13 +52,13 @@ def running(system, setup, light, *, corner=(0, 0), clocks=None, verilog=None, r
     ----------
     system : ncdc_hdl.system.System
     setup : Setup
-        Of the sensor; its pixel clock is the one of the run.
+        Configuration of the sensor; its pixel clock is the one of the run.
     light : Light
     corner : Crop
-        What capture makes of the sensor's frames, as far as ``system`` can; or column and row at
-        which the raw frames begin.
+        Crop of the sensor's frames in capture, as far as ``system`` supports it; or column and
+        row at which the raw frames begin.
     clocks : Clocks, optional
-        Of 100 MHz, and the pixel clock of ``setup``, if absent.
+        Clocks of the run; if absent 100 MHz, and the pixel clock of ``setup``.
     verilog : str, optional
         The system's text; made if absent.
     registers : dict, optional

@@ -1,4 +1,4 @@
-"""What runs of many frames in a row share: places in memory, a set begun, pixels that differ."""
+"""Common parts of runs of many frames: addresses in memory, a frame begun, pixels that differ."""
 
 import numpy as np
 
@@ -11,7 +11,7 @@ _ALIGN = 4096       # bytes; frames in memory begin at multiples of this
 
 
 def aligned(size):
-    """Bytes up to the next place where a frame may begin, ``size`` or more."""
+    """Bytes up to the next address where a frame may begin, ``size`` or more."""
     return -(-size // _ALIGN) * _ALIGN
 
 
@@ -29,14 +29,14 @@ def output_bytes(geometry, stream, form=BGRX8):
     return 3 * pixels if stream else frame_bytes(geometry, form)
 
 
-def differing(output, places, goldens, stream, form=BGRX8):
+def differing(output, begins, goldens, stream, form=BGRX8):
     """Pixels that differ from the golden picture (height, width, 3), of each frame, as a tuple.
 
-    ``places``: where each frame begins in the run's ``output``. All bytes of a pixel count.
+    ``begins``: where each frame begins in the run's ``output``. All bytes of a pixel count.
     """
     counts = []
-    for place, golden in zip(places, goldens, strict=True):
+    for start, golden in zip(begins, goldens, strict=True):
         expected = golden if stream else stored_bytes(golden, form)
-        got = np.frombuffer(output, np.uint8, expected.size, place).reshape(expected.shape)
+        got = np.frombuffer(output, np.uint8, expected.size, start).reshape(expected.shape)
         counts.append(int((got != expected).any(axis=2).sum()))
     return tuple(counts)

@@ -9,7 +9,7 @@ from ncdc_model.golden.corrector import correct
 from ncdc_sim.link.namespaces import TAP, TapNetwork
 from ncdc_sim.runner import HDL, build, command_of
 from ncdc_sim.sensor.photo import still_raw
-from ncdc_sim.sensor.twin import raw_frames
+from ncdc_sim.sensor.reference import raw_frames
 from ncdc_sim.sensor.verilog import sensor_sources
 from ncdc_sim.tools import SimulationError
 from ncdc_soc.core import SocCore, core_verilog
@@ -37,12 +37,12 @@ class SocModel:
     ----------
     descriptor : Descriptor
     raw : ndarray of uint8, shape (distorted height, distorted width)
-        What the sensor sends with the exposure that the firmware sets first.
+        Frame of the sensor with the exposure that the firmware sets first.
     exposure_us : float
         That exposure.
     hardware : Hardware, optional
     identity : Identity
-        Of the device on its network.
+        Identity of the device on its network.
     field : str, optional
         As of :func:`~ncdc_spec.sensors.framing.setup_around`.
 
@@ -50,9 +50,9 @@ class SocModel:
     ----------
     program : Path
     code_bytes, ram_bytes : int
-        Of the firmware.
+        Sizes of the firmware.
     setup : Setup
-        Of the sensor.
+        Configuration of the sensor.
     """
 
     def __init__(self, descriptor, raw, exposure_us=100.0, hardware=None, identity=Identity(),
@@ -122,7 +122,7 @@ class SocRun:
     loss : int
         Frames of a thousand that are lost on their way out.
     mtu : int
-        Of the clients' network interface.
+        MTU of the clients' network interface.
 
     Attributes
     ----------
@@ -174,7 +174,7 @@ class SocRun:
 
     @property
     def screen(self):
-        """What the firmware has said on the serial line, and the sensor's model between."""
+        """Output of the firmware on the serial line, and of the sensor's model."""
         return self._screen.read_text()
 
     @property

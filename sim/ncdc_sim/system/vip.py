@@ -12,8 +12,10 @@ _CORE = f"{TOP}_packets"
 
 
 def unpacked(verilog):
-    """``verilog`` with a module ``ncdc`` whose stream is a plain one, taken out of the packets of
-    the module of that name in it by ``vip_unpacker.v``, which knows their rules."""
+    """``verilog`` with a module ``ncdc`` around the one in it, whose stream is a plain one.
+
+    ``vip_unpacker.v`` unpacks and checks the packets of the inner module.
+    """
     head, _, body = verilog.partition(f"module {TOP} (")
     text = f"{head}module {_CORE} ({body}"
     ports = [match.groups() for line in body[:body.index(");")].splitlines()

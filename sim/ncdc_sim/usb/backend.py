@@ -18,7 +18,7 @@ _VENDOR, _PRODUCT, _RELEASE = 0x0403, 0x6014, 0x0900            # of an FT232H
 class SimulatedUsb(IBackend):
     """Answers the requests of a driver of FTDI's chips, and hands bytes to a :class:`LiveSystem`.
 
-    Time goes by in the simulation only while somebody reads: a read that finds nothing waits for
+    Time goes by in the simulation only during reads: a read that finds nothing waits for
     the time of the latency timer.
 
     Parameters

@@ -20,9 +20,9 @@ class Timing:
     out_min, out_max : int
         From the clock to the chip's pins.
     setup, hold : int
-        What the chip wants of the FPGA's.
+        The chip's requirements on the FPGA's outputs.
     fpga_out : int
-        From the clock to the FPGA's pins, as late as the set-up time allows.
+        From the clock to the FPGA's pins, as late as the setup time allows.
     """
     out_min: int
     out_max: int
@@ -34,22 +34,22 @@ class Timing:
 TIMINGS = {
     # FTDI, "FT232H", FT_000288 version 2.1, table 4.1: t4, t5, t11; t7, t9, t12, t14; t8, t10.
     "FT232H": Timing(0, 9000, 7500, 0, 9100),
-    # As Lime Microsystems constrains the chip's pins for LimeSDR Mini (FT601_timing.sdc): outputs
-    # 4 to 7 ns behind the clock; its set-up time there is 0.5 ns, doubled here.
+    # Lime Microsystems' constraints for LimeSDR Mini (FT601_timing.sdc): outputs 4 to 7 ns after
+    # the clock. Their setup time of 0.5 ns is doubled here.
     "FT601": Timing(4000, 7000, 1000, 0, 8900),
 }
 
 
 @dataclass(frozen=True)
 class BusRun:
-    """What became of the words.
+    """Results of a run.
 
     Parameters
     ----------
     results : dict
         Counters of the bench.
     lines : list of str
-        What it complained of.
+        Errors that the chip's model printed.
     """
     results: dict
     lines: list
@@ -64,7 +64,7 @@ class BusRun:
                                           - self.results[f"{direction}_paused"])
 
 
-def simulate_bus(fifo, *, up, down, simulator="verilator", timed=False, verilog=None, **chances):
+def simulate_bus(fifo, *, up, down, simulator="verilator", timed=False, verilog=None, **options):
     """Send ``up`` words to the host and ``down`` words from it, through ``fifo``, a UsbFifo.
 
     Parameters
@@ -72,9 +72,9 @@ def simulate_bus(fifo, *, up, down, simulator="verilator", timed=False, verilog=
     timed : bool
         Whether the pins change as late as :data:`TIMINGS` has it (Icarus only).
     verilog : str, optional
-        Of a module ``dut`` with the same ports, instead of the fifo's own.
-    chances : int
-        Of 256, and clock periods in ps: plusargs of ``usb_bench.v``.
+        Text of a module ``dut`` with the same ports, instead of the fifo's own.
+    options : int
+        Plusargs of ``usb_bench.v``: pauses, in clocks of 256, and clock periods in ps.
 
     Raises
     ------
@@ -97,7 +97,7 @@ def simulate_bus(fifo, *, up, down, simulator="verilator", timed=False, verilog=
     program = build("usb", "usb_clock" if simulator == "icarus" else "usb_bench", sources,
                     defines=defines, simulator=simulator, main=HDL / "system_main.cpp",
                     options=("--prefix", "Vsystem_bench"))
-    plusargs = {"up": up, "down": down, "extclk_period": round(1e12 / chip.clock_hz), **chances}
+    plusargs = {"up": up, "down": down, "extclk_period": round(1e12 / chip.clock_hz), **options}
     results, lines = {}, []
 
     def on_line(line):

@@ -23,8 +23,8 @@ struct command {
 	const uint8_t *data;
 	uint32_t code, request, length;
 	uint32_t done;			/* bytes of its words that were read or written */
-	uint32_t *answer;		/* the frame, with room for the headers */
-	uint32_t size;			/* bytes of the answer behind its header */
+	uint32_t *answer;		/* the frame, with space for the headers */
+	uint32_t size;			/* bytes of the answer after its header */
 	bool answered;
 };
 
@@ -114,7 +114,7 @@ static uint32_t write_block(struct command *command)
 	return SUCCESS;
 }
 
-/* Nobody asks whose MAC address it is not; it is not answered then. */
+/* A command for another MAC address is not answered. */
 static uint32_t force_ip(struct command *command)
 {
 	const uint8_t *data = command->data;
@@ -157,7 +157,7 @@ static uint32_t carry_out(struct command *command)
 	return NOT_IMPLEMENTED;
 }
 
-/* Sends an acknowledge to a command with `size` bytes behind its header in the frame. */
+/* Sends an acknowledge to a command with `size` bytes after its header in the frame. */
 static void acknowledge(const struct command *command, uint32_t *frame, uint32_t code,
 			uint32_t status, uint32_t size)
 {
@@ -178,7 +178,7 @@ static void end(const struct command *command, uint32_t status)
 	acknowledge(command, command->answer, command->code, status, status ? 0 : command->size);
 }
 
-/* Tells a client that understands it that the answer comes later. */
+/* Sends PENDING_ACK to a client that understands it. */
 static void put_off(const struct command *command)
 {
 	uint32_t frame[(HEADERS + PENDING_BYTES + 3) / 4];
@@ -189,8 +189,8 @@ static void put_off(const struct command *command)
 	acknowledge(command, frame, GVCP_PENDING_ACK - 1, SUCCESS, PENDING_BYTES);
 }
 
-/* Keeps a command until the sensor's bus is done; one at a time. The controller's takes the place of
- * somebody else's, who may ask again. */
+/* Stores a command until the sensor's bus is done; one at a time. The controller's command replaces
+ * another client's, which may ask again. */
 static void keep(const struct command *command)
 {
 	if (waits && (control_is(waiting.peer) || !control_is(command->peer))) {
@@ -241,7 +241,7 @@ bool gvcp_frame(const uint8_t *frame, uint32_t length)
 	if (command.code == PACKETRESEND) {
 		send_again(&command);
 	} else if (same(&command)) {
-		put_off(&waiting);		/* the client has lost patience, or our word */
+		put_off(&waiting);		/* the client has timed out, or lost our PENDING_ACK */
 	} else {
 		command.answer = waits && waiting.answer == one_answer ? other_answer : one_answer;
 		status = carry_out(&command);

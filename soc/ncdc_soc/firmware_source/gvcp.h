@@ -11,7 +11,7 @@
 /* Before the first frame comes: all registers as they are without a controller. */
 void gvcp_begin(void);
 
-/* Answers a frame, if it is a datagram for the port; false if it is somebody else's. */
+/* Answers a frame, if it is a datagram for the port; false otherwise. */
 bool gvcp_frame(const uint8_t *frame, uint32_t length);
 
 /* Ends the command that waited for the sensor's bus, and the control of who is silent. */

@@ -114,7 +114,7 @@ uint32_t gvcp_read_word(uint32_t address, uint32_t *value)
 	return address < GVCP_DISCOVERY_BYTES ? SUCCESS : INVALID_ADDRESS;
 }
 
-/* Writes `count` bytes of `size` that begin at `from`, and zeros behind their end. */
+/* Writes `count` bytes of `size` that begin at `from`, and zeros after their end. */
 static void copy(uint8_t *to, uint32_t count, const void *from, uint32_t size, uint32_t at)
 {
 	uint32_t there = at < size ? size - at : 0;

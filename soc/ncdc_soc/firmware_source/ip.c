@@ -16,8 +16,8 @@ _Static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__, "half words are read s
 
 uint32_t ip_own, ip_mask;
 
-/* The sum of half words as the processor reads them, which is the sum of swapped ones: two at a time,
- * and 64 kB do not carry out of 32 bits. */
+/* The sum of half words as the processor reads them, which is the sum of swapped ones. It adds two at
+ * a time, and 64 kB do not carry out of 32 bits. */
 static uint32_t swapped_sum(const uint8_t *bytes, uint32_t length)
 {
 	const half *halves = (const half *)(const void *)bytes;

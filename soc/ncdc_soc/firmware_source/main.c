@@ -47,7 +47,7 @@ static void camera_start(void)
 {
 }
 
-/* Others set the sensor up; its first frame tells that they have, and that its bus is free. */
+/* Another part of the design initialises the sensor; its first frame shows that its bus is free. */
 static void camera_poll(void)
 {
 	static bool begun;
@@ -58,7 +58,7 @@ static void camera_poll(void)
 }
 #endif
 
-/* Called at an exception, behind which the processor stands still until the watchdog resets all. */
+/* Called at an exception, after which the processor waits until the watchdog resets all. */
 void trapped(uint32_t cause, uint32_t at);
 
 void trapped(uint32_t cause, uint32_t at)

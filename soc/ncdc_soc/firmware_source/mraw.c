@@ -90,7 +90,7 @@ static uint32_t piece(const struct mraw *mraw, uint32_t *words)
 	return length;
 }
 
-/* Since others began to wait the user has taken less than the least rate. */
+/* Since others began to wait the user has taken less than the minimum rate. */
 static bool too_slow(struct mraw *mraw)
 {
 	uint32_t passed = sys_now() - mraw->watched_ms;

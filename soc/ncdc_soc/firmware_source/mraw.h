@@ -33,11 +33,11 @@ bool mraw_give_back(void);
 /* Begins a package that was asked for, of the frame that was claimed. */
 void mraw_begin(struct mraw *mraw);
 
-/* Nobody wants it any more. */
+/* Its user has left. */
 void mraw_forget(struct mraw *mraw);
 
-/* Gives lwIP some bytes; false if the connection has to be closed: it takes none for too
- * long, or less than the least rate while others wait, or the frame was taken away. */
+/* Gives lwIP some bytes. False if the connection has to be closed: it takes none for too long, or
+ * less than the minimum rate while others wait, or the frame was taken away. */
 bool mraw_send(struct mraw *mraw, struct tcp_pcb *pcb);
 
 #endif

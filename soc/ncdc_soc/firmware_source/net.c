@@ -83,7 +83,7 @@ static err_t begin(struct netif *netif)
 	return ERR_OK;
 }
 
-/* Without an address of its own the device asks for one, and takes a link-local one when nobody
+/* Without an address of its own the device asks for one, and takes a link-local one if no server
  * answers. */
 static void seek(void)
 {

@@ -21,7 +21,7 @@
 #define PAUSE (MILLISECOND_CLOCKS / 5)		/* between two looks while it is searched for */
 #define LONG_PAUSE (100 * MILLISECOND_CLOCKS)	/* while it works */
 
-/* A register of a chip's own: some bits become others. Of several behind one address `select` is
+/* A register of a chip's own: some bits become others. If several share an address, `select` is
  * written before, and chooses which is read. */
 struct change {
 	uint16_t address, select, clear, set;
@@ -30,9 +30,9 @@ struct change {
 struct kind {
 	uint32_t id;
 	struct change changes[2];	/* RGMII, which clocks are late */
-	uint16_t control;		/* written behind them, so that they count */
+	uint16_t control;		/* written after them, so that they take effect */
 	uint16_t status, link;		/* bits of the status that are set while there is a link */
-	uint16_t field, speed[SPEEDS];	/* of the status, where it tells which speed with full duplex */
+	uint16_t field, speed[SPEEDS];	/* of the status: the speed with full duplex */
 };
 
 /* The clock that we get is always late by the chip, that which we send by it or by the device. */
@@ -67,7 +67,7 @@ static enum { SEARCHED, RESETS, WORKS } state;
 static uint32_t chip = PHY_FIRST;
 static const struct kind *kind;
 static uint32_t looked;
-static uint32_t speed;		/* that was told last, plus 1; 0: no link */
+static uint32_t speed;		/* that was reported last, plus 1; 0: no link */
 
 /* Full duplex only, RGMII with the receive clock late. */
 static void set_up(void)

@@ -6,7 +6,7 @@ _start:
 	j begin
 
 	/* Where the processor goes at an interrupt, and at an exception, of which there must be
-	 * none. What C functions keep needs no place. */
+	 * none. Registers that C functions preserve need not be saved. */
 	.balign 4
 trap:
 	addi sp, sp, -64

@@ -14,8 +14,8 @@
 #define HEADERS_BYTES (ETH_HEADER + STREAM_HEADERS)
 #define NUMBER_AT (ETH_HEADER + IP_HEADER + UDP_HEADER + 5)
 #define NUMBER_BYTES 3
-#define RANGES 64		/* that may wait to be sent again, a power of two: clients ask for
-				 * each packet of a frame that is missing, one after the other */
+#define RANGES 64		/* of packets to be sent again, a power of two: clients ask for
+				 * each missing packet of a frame, one after the other */
 
 enum { IDLE, WAITING, PREPARING, SENDING, ENDING };
 
@@ -64,7 +64,7 @@ static void begin(void)
 {
 	block = 0;
 	blocks = 0;
-	/* Pictures that were ready before somebody wanted them are not sent. */
+	/* Pictures that were ready before a client asked for them are not sent. */
 	seen = interrupt_frames(words_view().raw);
 	began = now32() - words_frame_clocks();
 	state = WAITING;
@@ -208,7 +208,7 @@ static bool claim(const struct view *view)
 	return true;
 }
 
-/* Writes a header, or sends the frame behind the last one; whether it has. A command of GVCP need not
+/* Writes a header, or sends the frame after the last one; whether it has. A command of GVCP need not
  * wait for all of it. */
 static bool prepare(void)
 {

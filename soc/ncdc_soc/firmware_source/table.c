@@ -18,7 +18,7 @@
 #define UNTAKEN 3		/* lwIP's buffers with answers that a user has not taken */
 
 struct user {
-	struct tcp_pcb *pcb;	/* 0: the place is free */
+	struct tcp_pcb *pcb;	/* 0: the entry is free */
 	uint8_t bytes[REQUEST];	/* of a request: not complete, or waiting for the sensor's bus */
 	uint8_t count;
 	bool written;		/* what it writes: the answer waits to be read back */
@@ -27,13 +27,13 @@ struct user {
 	uint8_t waiting;	/* bytes of it */
 	bool ends;		/* it will send nothing more */
 	uint32_t heard_ms;	/* when its last request was answered */
-	bool broken;		/* it has sent what nobody understands: it is closed by the loop */
+	bool broken;		/* it has sent an unknown request: it is closed by the loop */
 	struct mraw mraw;
 };
 
 uint32_t table_commands;
 static struct user users[TABLE_USERS];
-static unsigned connected;	/* places that are taken */
+static unsigned connected;	/* entries in use */
 
 static void vacate(struct user *user)
 {
@@ -75,7 +75,7 @@ static bool seen(const struct user *user, uint32_t address, uint32_t *value)
 	return true;
 }
 
-/* Answers the request, unless it has to wait; false if the connection is to be closed behind it. */
+/* Answers the request, unless it has to wait; false if the connection is to be closed after it. */
 static bool answer(struct user *user)
 {
 	uint8_t *bytes = user->bytes;
@@ -232,8 +232,8 @@ static bool take_waiting(struct user *user)
 	return true;
 }
 
-/* Goes on with what the user waits for: an answer from the sensor, a package, and what has come
- * behind; false if the connection is to be closed. */
+/* Goes on with what the user waits for: an answer from the sensor, a package, and later requests.
+ * False if the connection is to be closed. */
 static bool serve(struct user *user)
 {
 	struct tcp_pcb *pcb = user->pcb;
@@ -262,9 +262,8 @@ static bool wanting(const struct user *user)
 			     (user->waiting && !full(user)) || user->ends || user->broken);
 }
 
-/* Begins packages that were asked for. Who asks while a frame is sent waits until it is, and all who
- * have waited begin together: a frame that new users joined again and again would be held for
- * ever. */
+/* Begins packages that were asked for. A user who asks while a frame is sent waits until it is, and
+ * all who have waited begin together. If new users could join, the frame might be held for ever. */
 static void begin_packages(void)
 {
 	bool asked = false;

@@ -1,4 +1,4 @@
-/* The serial line: what the firmware tells a person. */
+/* The serial line: the firmware's log. */
 #ifndef UART_H
 #define UART_H
 

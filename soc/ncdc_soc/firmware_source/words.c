@@ -16,7 +16,7 @@ CONFIG_CHOICES
 static const struct feature FEATURES[] = CONFIG_FEATURES;
 static const uint16_t FIELD[] = CONFIG_FIELD;	/* words from FIELD_FIRST on */
 
-/* Registers of the sensor that are kept, so that reading them takes no time on the I2C bus. */
+/* Registers of the sensor that are cached, so that reading them takes no time on the I2C bus. */
 static uint16_t shutter_upper, shutter_lower, gain, pattern;
 
 int words_begin(void)
@@ -53,7 +53,7 @@ uint32_t words_frame_clocks(void)
 	return (uint32_t)(10ull * CLOCK_HZ / rate);
 }
 
-/* Where the sensor's register is kept; 0: it is not. */
+/* Where the sensor's register is cached; 0: it is not. */
 static uint16_t *kept(uint32_t address)
 {
 	switch (address) {
@@ -215,7 +215,7 @@ const struct feature *feature_at(uint32_t address)
 	return address % 4 == 0 && k < sizeof FEATURES / sizeof *FEATURES ? &FEATURES[k] : 0;
 }
 
-/* The word of a feature: of the page, or kept, so that it is there at once. */
+/* The word of a feature: of the page, or cached, so that it is there at once. */
 static uint32_t word(uint32_t address)
 {
 	uint32_t value;

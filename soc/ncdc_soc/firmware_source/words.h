@@ -24,7 +24,7 @@ struct feature {
 	char access;		/* 'r', 'w' or 'b' for both */
 	uint16_t upper, lower;	/* addresses of its words, NO_WORD if it has none */
 	uint8_t shift, width;	/* of its field in the word; width 0: the whole */
-	uint8_t low, count;	/* its least value; how many choices */
+	uint8_t low, count;	/* its minimum; how many choices */
 	uint32_t high;
 	const struct choice *choices;
 };

@@ -12,7 +12,7 @@ __all__ = ["GmiiPhy", "MiiPhy"]
 
 
 class _Phy(LiteXModule):
-    """What GMII and MII share: one edge of the clock, signals of their own for valid and error."""
+    """Common part of GMII and MII: one edge of the clock, separate signals for valid and error."""
     dw = 8
     integrated_ifg_inserter = True
 
@@ -46,7 +46,7 @@ class GmiiPhy(_Phy):
         ``rx``, ``gtx``; ``rx_data``, ``rx_dv``, ``rx_er``, ``tx_data``, ``tx_en``, ``tx_er``, and
         if they are wired ``rst_n``, ``mdc``, ``mdio``.
     transmit : Signal
-        Clock of 125 MHz. Its copy at the pin rises half a clock behind a change of the data.
+        Clock of 125 MHz. Its copy at the pin rises half a clock after a change of the data.
     """
     tx_clk_freq = rx_clk_freq = 125e6
 

@@ -13,17 +13,16 @@ __all__ = ["SPEEDS", "Receiver", "Sender"]
 SPEEDS = (10, 100, 1000)
 """Mbit/s, in the order in which RGMII's status and our registers count them."""
 
-_START = 0xD5       # the byte behind the preamble
+_START = 0xD5       # the byte after the preamble
 
 
 class Sender(LiteXModule):
-    """Frames to nibbles, as slowly as the line is, with the gap that IEEE 802.3 asks for.
+    """Frames to nibbles at the line's speed, with the interpacket gap of IEEE 802.3.
 
     A step is the time of a byte (``whole``) or of a nibble, the low one first; it takes ``clocks``
-    + 1 clocks. Behind a frame twelve bytes' times are idle: LiteEth's own gap counts clocks, which
-    are bytes at 1000 Mbit/s only. A frame whose next byte is not there in time goes on with its
-    error signal set until it is: the receiver drops it, and takes nothing of it for a frame of its
-    own.
+    + 1 clocks. Twelve bytes' times after a frame are idle: LiteEth's own gap counts clocks, which
+    are bytes at 1000 Mbit/s only. On an underrun the frame continues with its error signal set
+    until the next byte comes. The receiver drops the frame, and takes no part of it for another.
 
     Attributes
     ----------
@@ -48,27 +47,27 @@ class Sender(LiteXModule):
         self.enable, self.error = Signal(), Signal()
         self.clock = Signal(2)
 
-        place = Signal(6)           # clocks of this step that are over
+        elapsed = Signal(6)           # clocks of this step that are over
         second = Signal()           # it is the high nibble's
         rest = Signal(4)            # that nibble
         inside = Signal()           # the frame's last byte was not taken
         gap = Signal(max=eth_interpacket_gap + 1)       # bytes' times that stay idle
         # A product would be cut to six bits in the Verilog, and in there alone.
-        twice = Cat(0, place)
+        twice = Cat(0, elapsed)
         step_ends, byte_ends = Signal(), Signal()
         self.comb += [
-            step_ends.eq(place == self.clocks),
+            step_ends.eq(elapsed == self.clocks),
             byte_ends.eq(step_ends & (self.whole | second)),
             sink.ready.eq(byte_ends & (gap == 0)),
             self.clock.eq(Cat(twice <= self.clocks, twice < self.clocks)),
         ]
         self.sync += [
             If(step_ends,
-               place.eq(0),
+               elapsed.eq(0),
                second.eq(~self.whole & ~second),
                self.low.eq(rest),
                self.high.eq(rest)
-               ).Else(place.eq(place + 1)),
+               ).Else(elapsed.eq(elapsed + 1)),
             If(byte_ends,
                self.low.eq(sink.data[:4]),
                self.high.eq(Mux(self.whole, sink.data[4:], sink.data[:4])),
@@ -89,9 +88,8 @@ class Receiver(LiteXModule):
     """Nibbles to frames.
 
     Where a clock brings one nibble, bytes are counted from the end of the preamble, which may have
-    lost nibbles on its way. A byte is handed on when the next one, or the end, is there, and so the
-    last one is known. An error anywhere in a frame is told with its last byte. What takes the bytes
-    is always ready.
+    lost nibbles on its way. A byte is passed on with the next one or the end, so that the last one
+    is known. An error anywhere in a frame is reported with its last byte. The sink is always ready.
 
     Attributes
     ----------

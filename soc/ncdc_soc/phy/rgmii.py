@@ -18,12 +18,11 @@ _MHZ = 125          # of the transmit clock that is given, whatever the speed
 
 
 class RgmiiPhy(LiteXModule):
-    """LiteEth's MAC to the pins of RGMII 2.0, at the speed that a register says.
+    """LiteEth's MAC to the pins of RGMII 2.0, at the speed in a register.
 
-    The line's transmit clock is made from one of 125 MHz, of which it takes 1, 5 or 50 clocks. It
-    must reach the chip some 2 ns behind the data, and the chip's receive clock must come so: by the
-    chip's own delays (the 88E1111 has both in its register 20), or for the transmit clock by
-    ``transmit_late``.
+    The line's transmit clock is divided from one of 125 MHz, by 1, 5 or 50. It must reach the chip
+    some 2 ns after the data, and the chip's receive clock must come as late. The chip's own delays
+    do so (the 88E1111 has both in its register 20), or ``transmit_late`` for the transmit clock.
 
     Parameters
     ----------
@@ -33,13 +32,12 @@ class RgmiiPhy(LiteXModule):
     transmit : Signal
         Clock of 125 MHz.
     transmit_late : Signal or None
-        The same, 2 ns behind, for the transmit clock's pin.
+        The same, 2 ns later, for the transmit clock's pin.
     paired : bool
-        Whether the device's input cell gives a rising edge's bit together with that of the falling
-        edge behind it, as ECP5's IDDRX1F does; Altera's ALTDDIO_IN gives it with that of the
-        falling edge before.
+        Whether the device's input cell pairs a rising edge's bit with that of the next falling
+        edge, as ECP5's IDDRX1F does. Altera's ALTDDIO_IN pairs it with the falling edge before.
     reset_clocks : int
-        Of :class:`PhyClocks`.
+        Parameter of :class:`PhyClocks`.
     buffered : bool
         A register each way between the MAC and the :class:`Sender`, for slow devices.
 
@@ -50,7 +48,7 @@ class RgmiiPhy(LiteXModule):
     speed : CSRStorage
         Index in ``SPEEDS``.
     status : CSRStatus
-        What the chip tells on its idle wires, if it does: link, speed, duplex.
+        The chip's status on its idle wires, if it sends one: link, speed, duplex.
     """
     dw = 8
     tx_clk_freq = rx_clk_freq = 1e6 * _MHZ
@@ -100,7 +98,7 @@ class RgmiiPhy(LiteXModule):
         """The same five signals for output cells of which the clock's is 2 ns late.
 
         The clock's bits are made by logic. From a register they go to one of the falling edge, half
-        a period later (4 ns), and from there to the late cell (6 ns): no step is shorter, and only
+        a period later (4 ns), and from there to the late cell (6 ns). No step is shorter, and only
         the first one has logic before it. The data have a register too, so that the clock's edges
         stay 2 ns after theirs.
         """

@@ -1,9 +1,9 @@
-/* The firmware on a PC: the same C against registers of plain memory, fed with frames that are half
+/* The firmware on a PC: the same C with registers of plain memory, fed with frames that are half
  * right and half random. Built with sanitizers, which end the program at the first fault.
  *
- * Arguments: number of frames, seed. Prints how many frames came, how many were answered, how many
- * commands and pictures there were, of GVCP and of Tables I and II: a run that reached nothing would
- * show it. */
+ * Arguments: number of frames, seed. Prints how many frames came and were answered, and how many
+ * commands and pictures there were, of GVCP and of Tables I and II. A run that reaches nothing shows
+ * in these counts. */
 #include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -24,7 +24,7 @@
 #include "../words.h"
 
 #define WORDS 0x20000		/* of each region of registers */
-#define PEERS 10		/* of Table I; more than it has places for */
+#define PEERS 10		/* of Table I; more than its limit of connections */
 #define PEER_PORT 40000
 
 enum tcp_flag { FIN = 1, SYN = 2, RST = 4, PSH = 8, ACK = 16 };
@@ -193,7 +193,7 @@ static uint32_t command(uint8_t *frame)
 	if (code == 0x84 && size == 8)
 		put32(data + 12, random32() % 640);
 	if (code == 0x82 && size >= 32 && random32() % 4 == 0) {
-		/* Take control, and have pictures sent: chance alone would hardly do so. */
+		/* Take control, and have pictures sent: random frames would hardly do so. */
 		const uint32_t start[] = {BOOT_ControlPrivilege, 2, BOOT_StreamPort, 5000,
 					  BOOT_StreamAddress, get32(ip + 12),
 					  GVCP_FEATURE_BASE + 4 * FEATURE_AcquisitionStart, 1};

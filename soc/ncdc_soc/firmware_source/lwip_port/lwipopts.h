@@ -39,7 +39,7 @@
 #define TCP_QUEUE_OOSEQ 0	/* requests are short: one that is lost comes again with the next */
 #define LWIP_NETIF_TX_SINGLE_PBUF 1
 #define LWIP_TCP_KEEPALIVE 1
-/* Who is gone without a word gives a place free in two minutes. */
+/* A connection whose client has vanished is freed in two minutes. */
 #define TCP_KEEPIDLE_DEFAULT 60000UL
 #define TCP_KEEPINTVL_DEFAULT 10000UL
 #define TCP_KEEPCNT_DEFAULT 6U

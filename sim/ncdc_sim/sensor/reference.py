@@ -1,4 +1,4 @@
-"""The raw frames that the Verilog model of a sensor sends, computed from its set-up."""
+"""The raw frames that the Verilog model of a sensor sends, computed from its configuration."""
 
 import numpy as np
 
@@ -15,9 +15,9 @@ def raw_frames(setup, light):
     """Frames (frames, height, width) of uint16, 12 bits, that a sensor sends of ``light``.
 
     With factor = floor(exposure * gain * 256 / nominal), in which a gain of 1 is 256, a sample s
-    leaves as min(4095, floor((s * factor + 32768) / 65536) + black), and a test pattern takes the
-    place of that; bits that the sensor does not have are cleared. Where the sensor bins, s is
-    floor((sum + n / 2) / n) of its n pixels, of which those without light are 0.
+    becomes min(4095, floor((s * factor + 32768) / 65536) + black). A test pattern replaces it. Bits
+    that the sensor does not have are cleared. With binning, s is floor((sum + n / 2) / n) of its n
+    pixels, of which those without light are 0.
 
     Parameters
     ----------
