@@ -7,7 +7,7 @@ import pytest
 
 from cameras import barrel_descriptor
 from devices import SIZE, device, small_lens
-from ncdc_host.client import Refused, open_device
+from ncdc_host.client import Rejected, open_device
 from ncdc_host.client.lens import LensLoader
 from ncdc_host.device.auto_control import AutoControl, level_of
 from ncdc_host.device.correction import Correction
@@ -66,7 +66,7 @@ def test_a_dark_scene_gets_the_longest_exposure_and_then_gain(one):
         client.set("AcquisitionFrameRate", 100.0)
         client.set("ExposureTime", 2000.0)
         client.set("ExposureAuto", "Continuous")
-        with pytest.raises(Refused):
+        with pytest.raises(Rejected):
             client.set("ExposureTime", 3000.0)
         client.set("GainAuto", "Continuous")
         state = {"last": None, "same": 0}

@@ -6,7 +6,7 @@ import time
 from dataclasses import replace
 from ipaddress import IPv4Address
 
-from ncdc_host.device.registers import Refused
+from ncdc_host.device.registers import Rejected
 from ncdc_host.device.stream import Receiver
 from ncdc_spec.protocols import gvcp, gvsp
 from ncdc_spec.protocols.features import FEATURES, feature
@@ -289,7 +289,7 @@ class ControlAgent:
                 self._corrector.write((address - gvcp.CORRECTOR_BASE) // 4, value)
             else:
                 self._write_bootstrap(address, value)
-        except Refused as error:
+        except Rejected as error:
             raise _Status(_STATUS[error.reason]) from None
 
     def _write_control(self, value, peer):
@@ -309,17 +309,17 @@ class ControlAgent:
         if name == "HeartbeatTimeout":
             value = min(max(value, gvcp.HEARTBEAT_MIN_MS), gvcp.HEARTBEAT_MAX_MS)
         elif name == "Configuration" and value & ~gvcp.CONFIGURATION_PENDING_ACK:
-            raise Refused("value")
+            raise Rejected("value")
         elif name == "StreamPort" and value > 0xFFFF:
-            raise Refused("value")
+            raise Rejected("value")
         elif name == "StreamPacketDelay" and value > feature("GevSCPD").high:
-            raise Refused("value")
+            raise Rejected("value")
         elif name == "StreamPacketSize":
             if not gvsp.MIN_PACKET <= value & 0xFFFF <= gvsp.MAX_PACKET:
-                raise Refused("value")
+                raise Rejected("value")
             asked, size = value & 0xFFFF, gvsp.packet_size(value & 0xFFFF)
             if self._acquiring and size != self._words[address] & 0xFFFF:
-                raise Refused("locked")
+                raise Rejected("locked")
             self._words[address] = size | value & gvcp.SCPS_DO_NOT_FRAGMENT
             if value & gvcp.SCPS_FIRE and (receiver := self._receiver()) is not None:
                 self._stream.fire_test(replace(receiver, packet_size=asked))
@@ -332,17 +332,17 @@ class ControlAgent:
             return
         if (self._acquiring and name in ("StreamPort", "StreamAddress")
                 and value != self._words[address]):
-            raise Refused("locked")
+            raise Rejected("locked")
         self._words[address] = value
 
     def _write_feature(self, one, value):
         if one.access == "ro":
-            raise Refused("read only")
+            raise Rejected("read only")
         if one.table:
             self._registers.write_feature(one, value)
             return
         if not one.low <= value <= one.high:
-            raise Refused("value")
+            raise Rejected("value")
         if one.name in self._registers.auto:
             self._registers.auto[one.name] = value
         elif one.name == "BalanceRatioSelector":
@@ -351,13 +351,13 @@ class ControlAgent:
             self._registers.set_ratio(self._ratio, value)
         elif one.name == "AcquisitionMode":
             if self._acquiring:
-                raise Refused("locked")
+                raise Rejected("locked")
             if value not in {choice.value for choice in one.choices}:
-                raise Refused("value")
+                raise Rejected("value")
             self._mode = value
         elif one.name == "TriggerMode":
             if self._acquiring and value != self._trigger:
-                raise Refused("locked")
+                raise Rejected("locked")
             self._trigger = value
         elif one.name == "TriggerSoftware" and value:
             self._stream.trigger()
@@ -391,7 +391,7 @@ class ControlAgent:
         if self._acquiring:
             return
         if receiver is None:
-            raise Refused("locked")     # no receiver
+            raise Rejected("locked")     # no receiver
         self._acquiring = self._registers.streaming = True
         self._stream.start(receiver, single=self._mode == 1, done=self._ended,
                            triggered=self._trigger == 1)

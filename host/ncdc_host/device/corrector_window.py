@@ -5,7 +5,7 @@ import threading
 import numpy as np
 
 from ncdc_host.device.correction import Correction
-from ncdc_host.device.registers import Refused
+from ncdc_host.device.registers import Rejected
 from ncdc_spec.colour import COLOURS, Colour
 from ncdc_spec.descriptor import Descriptor
 from ncdc_spec.errors import InputError
@@ -82,7 +82,7 @@ class CorrectorWindow:
             return self._words.get(address, 0)
 
     def write(self, address, value):
-        """Write a word; raises :class:`Refused`."""
+        """Write a word; raises :class:`Rejected`."""
         with self._lock:
             self._load()
             if address == self._map["STATUS"].address:
@@ -99,9 +99,9 @@ class CorrectorWindow:
                 return
             register = self._by_address.get(address)
             if register is not None and register.access not in ("shadow", "rw"):
-                raise Refused("read only")
+                raise Rejected("read only")
             if register is None and address < TABLE:
-                raise Refused("read only")
+                raise Rejected("read only")
             if register is not None and register.name in COLOUR_SETTINGS:
                 value &= (1 << register.shape.width) - 1
             self._words[address] = value

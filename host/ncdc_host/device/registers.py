@@ -17,7 +17,7 @@ from ncdc_spec.sensors.field import FULL
 from ncdc_spec.sensors.framing import field_values, setup_around
 from ncdc_spec.sensors.sensor import Settings as Window
 
-__all__ = ["Refused", "Registers", "Settings", "View"]
+__all__ = ["Rejected", "Registers", "Settings", "View"]
 
 _SENSOR_REGISTERS = 0x100           # further addresses answer nothing: read as 0
 _CLOCK_HZ = sensor.SENSOR.clock_hz
@@ -48,7 +48,7 @@ def _framing(geometry, field):
     return plan.settings, field_values(plan, crop, geometry)
 
 
-class Refused(Exception):
+class Rejected(Exception):
     """A write that the device does not carry out.
 
     Parameters
@@ -195,13 +195,13 @@ class Registers:
                 self._change()
 
     def set_ratio(self, selected, gain):
-        """Set the gain of one colour, in 256ths; raises :class:`Refused`."""
+        """Set the gain of one colour, in 256ths; raises :class:`Rejected`."""
         with self.lock:
             gains = list(self._colour.gains)
             if gains[selected] == gain:
                 return
             if self.auto["BalanceWhiteAuto"] != OFF:
-                raise Refused("locked")
+                raise Rejected("locked")
             gains[selected] = gain
             self.set_colour(replace(self._colour, gains=tuple(gains)))
 
@@ -232,19 +232,19 @@ class Registers:
             return self._window().get(address, self._sensor[address])
 
     def write(self, address, value):
-        """Write the word at ``address``; raises :class:`Refused`."""
+        """Write the word at ``address``; raises :class:`Rejected`."""
         with self.lock:
             if address not in _WRITABLE:
-                raise Refused("read only")
+                raise Rejected("read only")
             changed = value ^ self.read(address)
             if not changed:
                 return
             if address == sensor.READ_MODE_2 and changed & ~_MIRRORS:
-                raise Refused("read only")
+                raise Rejected("read only")
             if self._streaming and address in _SHAPE:
-                raise Refused("locked")
+                raise Rejected("locked")
             if self.controlled and self.auto.get(_AUTOMATIC.get(address), OFF) != OFF:
-                raise Refused("locked")
+                raise Rejected("locked")
             if address >= SYSTEM_PAGE:
                 self._write_system(address, value)
             else:
@@ -309,7 +309,7 @@ class Registers:
             self._view = self._resized(name, value)
         elif name == "SOURCE":
             if value > 1:
-                raise Refused("value")
+                raise Rejected("value")
             pixel_format = BGR8 if value else bayer_format(self._geometry.bayer)
             self._view = self._present(self._whole(replace(self._view,
                                                            pixel_format=pixel_format)))
@@ -318,36 +318,36 @@ class Registers:
         elif name == "FRAME_RATE":
             limits = feature("AcquisitionFrameRate")
             if not limits.low <= value <= limits.high:
-                raise Refused("value")
+                raise Rejected("value")
             self._rate = value
         elif name == "LENS":
             if value > self._lens_max:
-                raise Refused("value")
+                raise Rejected("value")
             self._lens = value
         else:
-            raise Refused("read only")
+            raise Rejected("read only")
 
     def _resized(self, name, value):
         key = {"WIDTH": "width", "HEIGHT": "height", "OFFSET_X": "x", "OFFSET_Y": "y"}[name]
         view, whole = replace(self._view, **{key: value}), self._whole(self._view)
         if (value % 2 or view.width < 8 or view.height < 8 or view.x + view.width > whole.width
                 or view.y + view.height > whole.height):
-            raise Refused("value")
+            raise Rejected("value")
         return view
 
     def _reformatted(self, mraw):
         try:
             pixel_format = format_of_mraw(mraw)
         except InputError:
-            raise Refused("value") from None
+            raise Rejected("value") from None
         view = replace(self._view, pixel_format=pixel_format)
         if pixel_format.raw and self._present(view).pixel_format != pixel_format:
-            raise Refused("value")      # the sensor's filter is another one
+            raise Rejected("value")      # the sensor's filter is another one
         return view if pixel_format.raw == self._view.pixel_format.raw else self._whole(view)
 
     def _write_sensor(self, address, value):
         if sensor.SENSOR.user_takes(address, value) is False:
-            raise Refused("value")
+            raise Rejected("value")
         self._sensor[address] = value
         self.bus_accesses += 1
         if address == sensor.READ_MODE_2:
@@ -369,11 +369,11 @@ class Registers:
             return one.register_of(value)
 
     def write_feature(self, one, register):
-        """Write the 32-bit register of such a feature; raises :class:`Refused`."""
+        """Write the 32-bit register of such a feature; raises :class:`Rejected`."""
         if not one.choices and not one.low <= register <= one.high:
-            raise Refused("value")
+            raise Rejected("value")
         if one.choices and register not in {choice.value for choice in one.choices}:
-            raise Refused("value")
+            raise Rejected("value")
         value = one.word_of(register)
         with self.lock:
             if one.field:

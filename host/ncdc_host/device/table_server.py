@@ -2,7 +2,7 @@
 
 import threading
 
-from ncdc_host.device.registers import Refused
+from ncdc_host.device.registers import Rejected
 from ncdc_spec.protocols import table_one, table_users
 from ncdc_spec.protocols.features import system_word
 from ncdc_spec.protocols.table_two import MrawHeader
@@ -33,7 +33,7 @@ class TableServer(table_users.TableServer):
         """Write a word, if it can be written."""
         try:
             self._registers.write(address, value)
-        except Refused:
+        except Rejected:
             pass        # the answer says so: it differs from the request
 
     def package(self, user):
