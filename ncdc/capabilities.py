@@ -13,13 +13,15 @@ from dataclasses import dataclass
 from importlib import metadata
 from pathlib import Path
 
-from ncdc_model.needs import PACKAGE_OF, apt_line
+from ncdc_model.needs import PACKAGE_OF, apt_line, pip_line
 
-__all__ = ["CAPABILITIES", "Capability", "Missing", "missing", "packages_of"]
+__all__ = ["CAPABILITIES", "Capability", "Missing", "missing", "package_of", "packages_of"]
 
 _PYTHON = (3, 11)
 _QT = {"EGL": "libegl1", "GL": "libgl1", "fontconfig": "libfontconfig1", "dbus-1": "libdbus-1-3",
        "xkbcommon": "libxkbcommon0", "xcb-cursor": "libxcb-cursor0"}
+_PACKAGES = {"cv2": "opencv-python-headless", "PIL": "pillow", "yaml": "pyyaml", "migen": "litex",
+             "PySide6": "PySide6-Essentials"}      # by the modules that are named otherwise
 _SECONDS = 20       # a program that takes longer to answer does not work
 
 
@@ -39,7 +41,7 @@ class Capability:
     purpose : str
         For people: the commands.
     extra : str, optional
-        Group of packages, as in ``pip install 'ncdc[EXTRA]'``; "": those of NCDC itself.
+        Group of packages, as in ``pip install "ncdc[EXTRA]"``; "": those of NCDC itself.
     programs : tuple of str
         Names in :data:`PACKAGE_OF`.
     checks : tuple
@@ -59,12 +61,35 @@ def missing(capability):
     found = []
     if capability.extra is not None:
         lost = [name for name in packages_of(capability.extra) if not _installed(name)]
-        line = f"pip install 'ncdc[{capability.extra}]'" if capability.extra else "pip install ncdc"
-        found += [Missing(name, line) for name in lost]
+        found += [Missing(name, pip_line(capability.extra)) for name in lost]
     found += [Missing(name, apt_line([name])) for name in capability.programs if not _there(name)]
     for check in capability.checks:
         found += check()
     return found
+
+
+def package_of(module, extras):
+    """Package that has a module, and the line that installs it; None if NCDC does not list it.
+
+    Parameters
+    ----------
+    module : str
+        Dotted name of the module that could not be imported.
+    extras : str
+        Extras that the command wants, joined by commas; they are searched before the others.
+
+    Returns
+    -------
+    Missing or None
+    """
+    top = module.partition(".")[0]
+    name = _PACKAGES.get(top, top.replace("_", "-"))
+    listed = metadata.metadata("ncdc").get_all("Provides-Extra") or ()
+    wanted = extras.split(",")
+    for extra in ("", *filter(None, wanted), *listed):
+        if name.lower() in map(str.lower, packages_of(extra)):
+            return Missing(name, pip_line(extras if extra in wanted else extra))
+    return None
 
 
 def packages_of(extra):
@@ -173,13 +198,15 @@ def _quartus():
 
 
 CAPABILITIES = (
-    Capability("calibrate, train, evaluate, correct, export, plan, generate", "",
-               checks=(_python,), base=True),
-    Capability("demo, simulate", programs=("g++", "make", "perl")),
+    Capability("correct, sensor, device; client with tcp://", "", checks=(_python,), base=True),
+    Capability("target, calibrate, train, evaluate, export; demo", "calibrate"),
+    Capability("plan, generate", "hdl"),
+    Capability("simulate, demo", "sim", ("g++", "make", "perl")),
     Capability("the same without compiling twice", programs=("ccache",)),
     Capability("simulate --simulator icarus", programs=("iverilog", "vvp")),
     Capability("simulate --fst", programs=("g++",), checks=(_headers,)),
     Capability("simulate --memory litedram", "litedram"),
+    Capability("build: projects for Quartus", "boards"),
     Capability("build --board ulx3s, colorlight-i9; bench with synthesis", "synth"),
     Capability("bitstreams of the projects for Quartus", checks=(_quartus,)),
     Capability("build --system; soc build", "soc",
@@ -193,6 +220,8 @@ CAPABILITIES = (
     Capability("client gui", "gui", checks=(_qt,)),
     Capability("the console of the generated Tcl driver", programs=("tclsh",)),
     Capability("the documentation as a site (make docs)", "docs"),
+    Capability("every command", "all"),
     Capability("the tests", "test", ("tclsh", "tshark", "dnsmasq", "iverilog")),
+    Capability("make types, make dist", "dev"),
 )
 assert all(name in PACKAGE_OF for one in CAPABILITIES for name in one.programs)

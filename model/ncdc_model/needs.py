@@ -1,10 +1,10 @@
-"""External programs: their Debian packages, and the message for a missing one."""
+"""What is missing on a machine, and the line that installs it: Debian's programs, NCDC's extras."""
 
 import shutil
 
 from ncdc_spec.errors import InputError
 
-__all__ = ["PACKAGE_OF", "apt_line", "check_programs"]
+__all__ = ["PACKAGE_OF", "apt_line", "check_programs", "pip_line"]
 
 PACKAGE_OF = {
     "g++": "g++", "gcc": "gcc", "make": "make", "perl": "perl", "ccache": "ccache",
@@ -19,6 +19,12 @@ PACKAGE_OF = {
 def apt_line(programs):
     """The line to type on Debian for ``programs``, all of them in :data:`PACKAGE_OF`."""
     return "apt install " + " ".join(dict.fromkeys(PACKAGE_OF[name] for name in programs))
+
+
+def pip_line(extra=""):
+    """The line to type for an extra of NCDC's package, or for several joined by commas; "": for the
+    package itself."""
+    return f'pip install "ncdc[{extra}]"' if extra else "pip install ncdc"
 
 
 def check_programs(purpose, *programs, path=None):

@@ -6,7 +6,7 @@ import os
 import sys
 from importlib.metadata import version
 
-from ncdc.cli.commands import COMMANDS
+from ncdc.cli.commands import COMMANDS, EXTRAS
 from ncdc.terminal import say
 from ncdc_spec.errors import InputError
 
@@ -31,7 +31,13 @@ def parser(command=None):
     """
     top, commands = _top()
     for name in (command,) if command in COMMANDS else COMMANDS:
-        module = importlib.import_module(f"ncdc.cli.{name}")
+        try:
+            module = importlib.import_module(f"ncdc.cli.{name}")
+        except ModuleNotFoundError:
+            if name == command or name not in EXTRAS:
+                raise
+            commands.add_parser(name, help=COMMANDS[name])  # its extra is not installed
+            continue
         sub = commands.add_parser(name, help=COMMANDS[name], description=COMMANDS[name],
                                   epilog=f"example: {module.EXAMPLE}")
         module.add_arguments(sub)
@@ -82,6 +88,13 @@ def main(arguments=None):
     except InputError as error:
         say(f"ncdc {name}: {error}")
         return 2
+    except ModuleNotFoundError as error:
+        from ncdc.capabilities import package_of
+        lost = package_of(error.name or "", EXTRAS.get(name, ""))
+        if lost is None:
+            raise                   # an error of ours
+        say(f"ncdc {name}: {lost.what} is not installed: {lost.line}")
+        return 2
     except KeyboardInterrupt:
         say(f"ncdc {name or ''}".rstrip() + ": interrupted")
         return _INTERRUPTED
@@ -99,9 +112,7 @@ def _run(name, args):
     import numpy as np
 
     from ncdc.cli.roles import check_roles
-    from ncdc_host.client.errors import DeviceError
     from ncdc_model.threads import one_thread
-    from ncdc_sim.tools import SimulationError
     from ncdc_spec.files import check_outputs
     _ignore_unused()
     try:
@@ -112,9 +123,18 @@ def _run(name, args):
             return args.run(args) or 0
     except InputError:
         raise                   # some errors of devices are both, and are bad input then
-    except (SimulationError, DeviceError) as error:
+    except Exception as error:
+        if not isinstance(error, _failures()):
+            raise
         say(f"ncdc {name}: {error}")
         return 1
+
+
+def _failures():
+    """Classes of errors that are no bad input: of devices, and of simulators if one was loaded."""
+    from ncdc_host.client.errors import DeviceError
+    simulators = sys.modules.get("ncdc_sim.tools")
+    return (DeviceError, simulators.SimulationError) if simulators else DeviceError
 
 
 def _ignore_unused():
@@ -123,6 +143,5 @@ def _ignore_unused():
     The planner creates a corrector only to ask for its clocks.
     """
     import warnings
-
-    from amaranth.hdl import UnusedElaboratable
-    warnings.simplefilter("ignore", UnusedElaboratable)
+    # By its text: the class would import Amaranth, which many commands do without.
+    warnings.filterwarnings("ignore", "(?s).* created but never used")

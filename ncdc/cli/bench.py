@@ -20,7 +20,7 @@ def _benches():
     return import_module("ncdc_bench.commands").BENCHES if find_spec("ncdc_bench") else {}
 
 
-def add_arguments(parser):
+def add_arguments(parser) -> None:
     """Declare one subcommand per bench on an argparse parser."""
     benches = _benches()
     names = parser.add_subparsers(dest="bench", metavar="NAME", required=bool(benches))
@@ -30,7 +30,7 @@ def add_arguments(parser):
         module.add_arguments(sub)
 
 
-def run(args):
+def run(args) -> int | None:
     """Run the chosen bench; 1 if a figure breaks its own bound or a tool fails.
 
     Raises

@@ -37,7 +37,7 @@ EXAMPLE = "ncdc build net.toml --board ulx3s -o board"
 _MAX_SEEDS = 20
 
 
-def add_arguments(parser):
+def add_arguments(parser) -> None:
     """Declare the command's arguments on an argparse parser."""
     parser.add_argument("descriptor", metavar="NET", nargs="+",
                         help="descriptors of ncdc train: the first is shown, push buttons choose "
@@ -70,7 +70,7 @@ def add_arguments(parser):
     add_json(parser)
 
 
-def run(args):
+def run(args) -> None:
     """Check, generate, synthesise, place, pack, write."""
     if not 1 <= args.seeds <= _MAX_SEEDS:
         raise InputError(f"seeds is {args.seeds}, 1 to {_MAX_SEEDS} are tried")
@@ -99,8 +99,8 @@ def _open(args, board, named, output):
     design, sensor, budget = _design(args, board, named)
     more = _processor(args, design, sensor) if design.processor else {}
     began, steps = time.monotonic(), Steps("ncdc build", quiet=args.json == "-")
-    with tempfile.TemporaryDirectory(prefix="ncdc-") as folder:
-        folder = Path(folder)
+    with tempfile.TemporaryDirectory(prefix="ncdc-") as made:
+        folder = Path(made)
         steps("generating the design")
         files = prepared(design)
         try:
@@ -176,12 +176,8 @@ def _design(args, board, named):
 
 def _processor(args, design, sensor):
     """Files of the processor, by name."""
-    try:
-        from ncdc_soc.board import processor_files
-        from ncdc_soc.firmware import Identity
-    except ModuleNotFoundError as error:
-        raise InputError(f"{error.name} is not installed, which a processor needs: "
-                         "pip install 'ncdc[soc]'") from error
+    from ncdc_soc.board import processor_files  # LiteX is of the extra [soc]
+    from ncdc_soc.firmware import Identity
     try:
         address = str(IPv4Address(args.address))
     except ValueError as error:

@@ -33,7 +33,7 @@ _LISTED = 20                # dropped points that are printed
 EXAMPLE = "ncdc calibrate left*.jpg --target chessboard:9x6 -o points.json"
 
 
-def add_arguments(parser):
+def add_arguments(parser) -> None:
     """Declare the command's arguments on an argparse parser."""
     parser.add_argument("photos", nargs="+", metavar="PHOTO",
                         help="photo of the target: colour, grey, or the raw Bayer frame; a folder "
@@ -51,7 +51,7 @@ def add_arguments(parser):
     add_json(parser)
 
 
-def run(args):
+def run(args) -> None:
     """Detect, write the points file and the overlays, report."""
     args.photos = photos_of(args.photos)
     progress, warn = Progress("calibrate"), _once()

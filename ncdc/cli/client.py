@@ -16,7 +16,7 @@ __all__ = ["EXAMPLE", "add_arguments", "run"]
 EXAMPLE = "ncdc client grab 10 -o frames --device tcp://127.0.0.2"
 
 
-def add_arguments(parser):
+def add_arguments(parser) -> None:
     """Declare the command's arguments on an argparse parser."""
     actions = parser.add_subparsers(dest="action", metavar="ACTION", required=True)
     listing = actions.add_parser("list", help="devices that answer a broadcast")
@@ -50,7 +50,7 @@ def add_arguments(parser):
         add_json(action)
 
 
-def run(args):
+def run(args) -> int | None:
     """Run the action."""
     return args.run_action(args)
 
@@ -126,8 +126,7 @@ def _gui(args):
         from ncdc_host.gui.application import run as run_window
     except ImportError as error:
         if (error.name or "").partition(".")[0] == "PySide6" and "lib" not in str(error):
-            raise InputError("the package PySide6-Essentials is missing: pip install 'ncdc[gui]'"
-                             ) from None
+            raise               # the extra [gui] is not installed
         raise InputError(f"Qt cannot be loaded: {error}; on Debian: apt install libegl1 libgl1 "
                          "libxkbcommon0 libfontconfig1 libdbus-1-3") from None
     return run_window(args.urls, args.demo)

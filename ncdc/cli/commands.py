@@ -1,6 +1,6 @@
 """Names of all commands, and a line on each: nothing here takes time to import."""
 
-__all__ = ["COMMANDS"]
+__all__ = ["COMMANDS", "EXTRAS"]
 
 # Each has a module of its name in this package with EXAMPLE, add_arguments(parser) and run(args);
 # run returns the exit status, None for 0.
@@ -25,4 +25,11 @@ COMMANDS = {
     "client": "devices on the network: find, show and set their features, grab pictures",
     "soc": "the whole system in simulation: sensor, corrector, processor and Ethernet",
     "completion": "print the script with which a shell completes commands, options and values",
+}
+
+# Extras of the package that a command needs; one that is not listed runs with the base.
+EXTRAS = {
+    "demo": "calibrate,sim", "target": "calibrate", "calibrate": "calibrate", "train": "calibrate",
+    "evaluate": "calibrate", "export": "calibrate", "plan": "hdl", "generate": "hdl",
+    "build": "boards", "simulate": "sim", "bench": "all", "soc": "soc",
 }

@@ -23,7 +23,7 @@ class _Command:
     values: dict
 
 
-def add_arguments(parser):
+def add_arguments(parser) -> None:
     """Declare the command's arguments on an argparse parser."""
     parser.add_argument("shell", choices=_SHELLS, metavar="SHELL",
                         help=f"{', '.join(_SHELLS)}; bash: into ~/.local/share/bash-completion/"
@@ -31,7 +31,7 @@ def add_arguments(parser):
                              f"fish: into ~/.config/fish/completions/ncdc.fish")
 
 
-def run(args):
+def run(args) -> None:
     """Print the script."""
     from ncdc.cli import parser
     commands = [*_commands(parser(), ())]
@@ -46,7 +46,7 @@ def _commands(parser, words):
         if isinstance(action, argparse._SubParsersAction):
             helps = {choice.dest: choice.help or "" for choice in action._choices_actions}
             following = {name: helps.get(name, "") for name in action.choices}
-            below = action.choices.items()
+            below = list(action.choices.items())
         elif action.help != argparse.SUPPRESS:
             for name in action.option_strings:
                 options[name] = action.help or ""

@@ -15,7 +15,7 @@ __all__ = ["EXAMPLE", "add_arguments", "run"]
 EXAMPLE = "ncdc correct net.toml frame.png -o corrected.png"
 
 
-def add_arguments(parser):
+def add_arguments(parser) -> None:
     """Declare the command's arguments on an argparse parser."""
     parser.add_argument("descriptor", metavar="NET", help="descriptor of ncdc train")
     parser.add_argument("image", metavar="IMAGE",
@@ -26,7 +26,7 @@ def add_arguments(parser):
     add_json(parser)
 
 
-def run(args):
+def run(args) -> None:
     """Correct, write, report."""
     check_suffix(args.output)
     choice = colour_choice(args)

@@ -46,7 +46,7 @@ EXAMPLE = "ncdc demo -o demo"
 _STEPS = 6
 
 
-def add_arguments(parser):
+def add_arguments(parser) -> None:
     """Declare the command's arguments on an argparse parser."""
     parser.add_argument("-o", "--output", default="demo", metavar="DIR",
                         help="folder to write to (default: demo)")
@@ -55,7 +55,7 @@ def add_arguments(parser):
     add_json(parser)
 
 
-def run(args):
+def run(args) -> int | None:
     """Run the chain; 1 if a pixel of the Verilog differs from the golden model."""
     if not 1 <= args.neurons <= MAX_NEURONS:
         raise InputError(f"neurons is {args.neurons}, the limits are 1 and {MAX_NEURONS}")

@@ -21,7 +21,7 @@ EXAMPLE = "ncdc device serve net.toml --photo photo.raw.png --count 3"
 _COUNT_MAX = 16
 
 
-def add_arguments(parser):
+def add_arguments(parser) -> None:
     """Declare the command's arguments on an argparse parser."""
     serve = parser.add_subparsers(dest="action", metavar="ACTION", required=True).add_parser(
         "serve", help=COMMANDS["device"], description=COMMANDS["device"],
@@ -60,7 +60,7 @@ def _frame(args, geometry):
     return raw_frame(args.photo, geometry, args.raw, args.bits)[0]
 
 
-def run(args):
+def run(args) -> None:
     """Serve until a signal ends the process."""
     if not 1 <= args.count <= _COUNT_MAX:
         raise InputError(f"{args.count} devices are asked for, the limits are 1 and {_COUNT_MAX}")
@@ -92,6 +92,7 @@ def run(args):
     except KeyboardInterrupt:
         pass
     finally:
-        for one in (announcer, *devices):
-            if one is not None:
-                one.close()
+        if announcer is not None:
+            announcer.close()
+        for device in devices:
+            device.close()

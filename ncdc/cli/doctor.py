@@ -12,12 +12,12 @@ __all__ = ["EXAMPLE", "add_arguments", "run"]
 EXAMPLE = "ncdc doctor"
 
 
-def add_arguments(parser):
+def add_arguments(parser) -> None:
     """Declare the command's arguments on an argparse parser."""
     parser.add_argument("--json", metavar="FILE", help="write the report as JSON; - for stdout")
 
 
-def run(args):
+def run(args) -> int | None:
     """Check and report; 1 if something is missing without which no command works."""
     found = [(capability, missing(capability)) for capability in CAPABILITIES]
     report = {"ncdc": version("ncdc"), "python": platform.python_version(),
@@ -26,11 +26,10 @@ def run(args):
                                 "missing": [vars(thing) for thing in lost]} for one, lost in found]}
     if not _write(report, args.json):
         _print(report)
-    lost = [thing["what"] for one in report["capabilities"] if one["base"]
-            for thing in one["missing"]]
-    if lost:
-        print(f"ncdc doctor: no command works without {', '.join(lost)}", file=sys.stderr)
-    return 1 if lost else 0
+    needed = [thing.what for one, lost in found if one.base for thing in lost]
+    if needed:
+        print(f"ncdc doctor: no command works without {', '.join(needed)}", file=sys.stderr)
+    return 1 if needed else 0
 
 
 def _write(report, target):

@@ -14,7 +14,7 @@ __all__ = ["EXAMPLE", "add_arguments", "run"]
 EXAMPLE = "ncdc evaluate net.toml --reference points.json"
 
 
-def add_arguments(parser):
+def add_arguments(parser) -> None:
     """Declare the command's arguments on an argparse parser."""
     parser.add_argument("descriptor", metavar="NET", help="descriptor of ncdc train")
     spellings = parser.add_mutually_exclusive_group(required=True)
@@ -27,7 +27,7 @@ def add_arguments(parser):
     add_json(parser)
 
 
-def run(args):
+def run(args) -> None:
     """Measure and report."""
     report = compare_with_reference(Descriptor.load(args.descriptor), args.reference, args.camera,
                                     Progress("measuring"))

@@ -14,7 +14,7 @@ __all__ = ["EXAMPLE", "add_arguments", "run"]
 EXAMPLE = "ncdc export net.toml -o maps.npz"
 
 
-def add_arguments(parser):
+def add_arguments(parser) -> None:
     """Declare the command's arguments on an argparse parser."""
     parser.add_argument("source", metavar="FILE",
                         help="descriptor of ncdc train, or points.json of ncdc calibrate")
@@ -26,7 +26,7 @@ def add_arguments(parser):
                              "discorpy: line by line")
 
 
-def run(args):
+def run(args) -> None:
     """Convert and write."""
     if is_points_file(args.source):
         if Path(args.output).suffix.lower() != ".csv":

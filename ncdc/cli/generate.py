@@ -41,7 +41,7 @@ _SENSORS = [sensor.name for sensor in SENSORS]
 EXAMPLE = "ncdc generate net.toml -o hardware --data-width 32"
 
 
-def add_arguments(parser):
+def add_arguments(parser) -> None:
     """Declare the command's arguments on an argparse parser."""
     parser.add_argument("descriptor", metavar="NET", help="descriptor of ncdc train")
     parser.add_argument("-o", "--output", required=True, metavar="DIR", help="folder to write to")
@@ -79,7 +79,7 @@ def add_arguments(parser):
     add_json(parser)
 
 
-def run(args):
+def run(args) -> None:
     """Generate and write; files that would not change are left alone."""
     descriptor = Descriptor.load(args.descriptor)
     lenses = [(args.descriptor, descriptor), *((path, Descriptor.load(path)) for path in args.lens)]

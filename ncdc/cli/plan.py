@@ -34,7 +34,7 @@ _EXPOSURE_US = 1000.0           # short: the sensor sends as many frames as it c
 EXAMPLE = "ncdc plan net.toml --memory ddr3 --core-mhz 150 --to stream"
 
 
-def add_arguments(parser):
+def add_arguments(parser) -> None:
     """Declare the command's arguments on an argparse parser."""
     parser.add_argument("descriptor", metavar="NET", help="descriptor of ncdc train")
     parser.add_argument("--board", metavar="NAME",
@@ -70,7 +70,7 @@ def add_arguments(parser):
     add_json(parser)
 
 
-def run(args):
+def run(args) -> None:
     """Plan and report."""
     if args.board:
         plan_board(args, Descriptor.load(args.descriptor))

@@ -30,7 +30,7 @@ _TEXTS = {
 _OPTIONS = {"skip": "--sensor-skip", "bins": "--sensor-bin"}
 
 
-def add_arguments(parser):
+def add_arguments(parser) -> None:
     """Declare the command's arguments on an argparse parser."""
     show = parser.add_subparsers(dest="action", metavar="ACTION", required=True).add_parser(
         "show", help=COMMANDS["sensor"], description=COMMANDS["sensor"],
@@ -52,7 +52,7 @@ def add_arguments(parser):
     add_json(show)
 
 
-def run(args):
+def run(args) -> None:
     """Print the writes, and the timing and field that result from them."""
     sensor = sensor_named(args.sensor)
     plan = setup(sensor, Settings(**{field.name: getattr(args, field.name)

@@ -26,7 +26,7 @@ __all__ = ["EXAMPLE", "add_arguments", "difference", "run"]
 EXAMPLE = "ncdc simulate net.toml frame.png -o corrected.png --memory sdram"
 
 
-def add_arguments(parser):
+def add_arguments(parser) -> None:
     """Declare the command's arguments on an argparse parser."""
     parser.add_argument("descriptor", metavar="NET", help="descriptor of ncdc train")
     parser.add_argument("image", metavar="IMAGE",
@@ -51,7 +51,7 @@ def add_arguments(parser):
     add_json(parser)
 
 
-def run(args):
+def run(args) -> int | None:
     """Simulate, compare, write, report; 1 if a pixel or a bound of the planner is not met."""
     if args.seed < 0:
         raise InputError(f"seed is {args.seed}, it must not be negative")

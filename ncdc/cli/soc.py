@@ -22,7 +22,7 @@ _EXPOSURES_US = (1.0, 1e6)
 _LOSS_STEPS = 1000              # in which the simulation counts lost packets
 
 
-def add_arguments(parser):
+def add_arguments(parser) -> None:
     """Declare the command's arguments on an argparse parser."""
     actions = parser.add_subparsers(dest="action", metavar="ACTION", required=True)
     for name, text in (("build", "compile the simulation and the firmware"),
@@ -52,7 +52,7 @@ def add_arguments(parser):
         add_samples(action.add_argument_group("samples of the file"))
 
 
-def run(args):
+def run(args) -> int | None:
     """Build, or build and run."""
     low, high = _EXPOSURES_US
     if not low <= args.exposure_us <= high:
@@ -65,11 +65,7 @@ def run(args):
 
 
 def _model(args, descriptor, raw):
-    try:
-        from ncdc_sim.system.soc import SocModel
-    except ModuleNotFoundError as error:
-        raise InputError(f"{error.name} is not installed, which the system needs: "
-                         "pip install 'ncdc[soc]'") from error
+    from ncdc_sim.system.soc import SocModel  # LiteX is of the extra [soc]
     return SocModel(descriptor, raw, args.exposure_us, field=field_of(args))
 
 

@@ -13,7 +13,7 @@ EXAMPLE = "ncdc target chessboard:9x6 --paper A4 -o page.pdf"
 _FORMS = {".pdf": "pdf", ".svg": "svg"}
 
 
-def add_arguments(parser):
+def add_arguments(parser) -> None:
     """Declare the command's arguments on an argparse parser."""
     given = ", ".join(name + (":{}x{}".format(*size) if size else "")
                       for name, size in KINDS.items())
@@ -31,7 +31,7 @@ def add_arguments(parser):
     add_json(parser)
 
 
-def run(args):
+def run(args) -> None:
     """Lay out, draw, write."""
     form = _FORMS.get(Path(args.output).suffix.lower())
     if form is None:

@@ -38,7 +38,7 @@ TABLES = "training", "held_out", "beyond_points", "region", "frame"
 EXAMPLE = "ncdc train points.json --neurons 6 -o net.toml"
 
 
-def add_arguments(parser):
+def add_arguments(parser) -> None:
     """Declare the command's arguments on an argparse parser."""
     parser.add_argument("source", metavar="FILE", nargs="+",
                         help="points.json of ncdc calibrate; points.csv of another detector; a "
@@ -121,7 +121,7 @@ def _add_hardware(parser):
                              "good for it (default: 1)")
 
 
-def run(args):
+def run(args) -> None:
     """Train, quantise, measure; write the descriptor, the plots and the report."""
     if Path(args.output).resolve() in [Path(path).resolve() for path in args.source]:
         raise InputError(f"the output {args.output} would replace the input")
@@ -318,9 +318,9 @@ def _size(text, name):
     parts = text.lower().split("x")
     if len(parts) != 2 or not all(part.isdecimal() for part in parts):
         raise InputError(f"{name} is {text!r}, WxH is needed, as in 1280x1024")
-    size = tuple(map(int, parts))
-    Geometry(*size, MIN_SIZE, MIN_SIZE)     # names the side that is out of range
-    return size
+    width, height = map(int, parts)
+    Geometry(width, height, MIN_SIZE, MIN_SIZE)     # names the side that is out of range
+    return width, height
 
 
 def _colour(text):

@@ -19,6 +19,7 @@ from amaranth.lib.wiring import In
 from ncdc.toolchain.ecp5_netlist.adder_inputs import absorb_inversions
 from ncdc.toolchain.ecp5_netlist.multiplier_registers import absorb_multiplier_registers
 from ncdc.toolchain.ecp5_netlist.output_registers import absorb_output_registers
+from ncdc_model.needs import pip_line
 from ncdc_spec.errors import InputError
 
 __all__ = ["SCRIPTS", "SEEDS", "Registered", "SynthesisError", "absorbed", "call_tool",
@@ -69,8 +70,7 @@ def check_tools(otherwise=""):
     ends its sentence."""
     for tool, (module, _) in _TOOLS.items():
         if importlib.util.find_spec(module) is None:
-            raise InputError(f"{tool} is not installed: pip install 'ncdc[synth]'"
-                             f"{otherwise}")
+            raise InputError(f"{tool} is not installed: {pip_line('synth')}{otherwise}")
 
 
 def tool_versions():

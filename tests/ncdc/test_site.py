@@ -33,6 +33,7 @@ def checkout(tmp_path):
     return tmp_path
 
 
+@pytest.mark.longer
 def test_the_site_is_built_and_loads_nothing_from_the_network(checkout):
     done = build(checkout)
     assert not done.returncode, done.stderr
@@ -48,6 +49,7 @@ def test_the_site_is_built_and_loads_nothing_from_the_network(checkout):
     assert (site / "search" / "search_index.js").is_file()      # for pages opened from disk
 
 
+@pytest.mark.longer
 @pytest.mark.parametrize("page,planted", [
     ("index.md", "\n[dead](start/none.md)\n"),
     ("index.md", "\n[dead](start/tutorial.md#none)\n"),

@@ -51,7 +51,7 @@ def test_it_runs_as_a_module():
         2, "ncdc correct: cannot read none.toml: No such file or directory\n")
 
 
-@pytest.mark.parametrize("module", ["numpy", "amaranth.hdl", "ncdc_model.golden.corrector"])
+@pytest.mark.parametrize("module", ["numpy", "ncdc.cli.roles", "ncdc_model.golden.corrector"])
 def test_interrupted_while_it_imports(module):
     """An import that takes for ever, so that the signal comes while it runs."""
     code = f"""

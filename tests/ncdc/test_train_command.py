@@ -166,9 +166,9 @@ def test_table_and_plots(folder, tmp_path, capsys, monkeypatch):
     text = capsys.readouterr().out
     assert "160x120 corrected pixels, 100.0 % with a source" in text
     assert "held out" not in text and "frame         fixed" in text
-    for folder, name in ((tmp_path, "net"), (folder, "net"), (folder, "camera-net")):
+    for where, name in ((tmp_path, "net"), (folder, "net"), (folder, "camera-net")):
         for kind in ("errors", "learning"):
-            picture = cv2.imread(str(folder / f"{name}.{kind}.png"))
+            picture = cv2.imread(str(where / f"{name}.{kind}.png"))
             assert picture.shape[0] > 300 and picture.std() > 10
 
 

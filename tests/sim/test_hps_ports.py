@@ -55,7 +55,7 @@ def test_the_ports_take_what_is_sent(output, fetcher):
              if kind == "avalon" and direction == "start"}
     reads = [name for name in hosts if name.startswith("read")]
     assert len(hosts) <= 6 and len(reads) <= 4 and len(hosts) - len(reads) <= 4
-    for name, ports in hosts.items():
+    for ports in hosts.values():
         roles = {role: width for role, width in ports.values()}
         assert roles.get("readdata", roles.get("writedata")) == 64
         # A burst of as many as the port's top bit says, a power of two, is the longest one.

@@ -84,7 +84,7 @@ def test_not_installed(monkeypatch):
     def missing(name):
         raise importlib.metadata.PackageNotFoundError(name)
     monkeypatch.setattr(importlib.metadata, "version", missing)
-    with pytest.raises(InputError, match=r"litedram is not installed, .* pip install 'ncdc\[lite"):
+    with pytest.raises(InputError, match=r'litedram is not installed, .* pip install "ncdc\[lite'):
         copy("litedram")
 
 

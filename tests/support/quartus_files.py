@@ -15,8 +15,8 @@ TCL = Path(__file__).parent / "tcl"
 
 def recorded(kind, path):
     """Calls that a Tcl file makes: lists of words."""
-    done = subprocess.run(["tclsh", TCL / "record.tcl", kind, path], stdout=subprocess.PIPE,
-                          stderr=subprocess.PIPE, text=True)
+    done = subprocess.run(["tclsh", TCL / "record.tcl", kind, path], capture_output=True,
+                          text=True)
     assert done.returncode == 0, done.stderr
     return [line.split("\x1f") for line in done.stdout.splitlines()]
 

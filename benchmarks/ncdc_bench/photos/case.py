@@ -1,7 +1,7 @@
 """The class of a case, and the rendered targets that most cases start from."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Callable
 
 from ncdc_bench.photos.targets import Pose
 

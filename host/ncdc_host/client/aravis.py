@@ -129,7 +129,8 @@ class AravisDevice(Device):
     def info(self, name):
         kind = self._kind(name)
         value, writable, limits, unit, choices, text = self._bridge.call("info", name, kind)
-        return FeatureInfo(name, kind, value, writable and not self._monitor, *limits, unit,
+        low, high, step = limits
+        return FeatureInfo(name, kind, value, writable and not self._monitor, low, high, step, unit,
                            tuple(choices), text, self._categories[name])
 
     def get(self, name):

@@ -6,6 +6,7 @@ from collections import deque
 from dataclasses import dataclass
 
 from ncdc_host.client.errors import BadValue, DeviceError, printable
+from ncdc_host.client.frame import Frame
 
 __all__ = ["Device", "FeatureInfo", "FrameStream", "Rate", "Statistics", "as_kind"]
 
@@ -85,7 +86,7 @@ class Rate:
     def __init__(self):
         self._times = deque()
 
-    def count(self):
+    def count(self) -> None:
         """One more frame, now."""
         self._times.append(time.monotonic())
         self._forget()
@@ -95,7 +96,7 @@ class Rate:
             self._times.popleft()
 
     @property
-    def value(self):
+    def value(self) -> float:
         """The rate now; 0 before the second frame."""
         self._forget()
         if len(self._times) < 2:
@@ -107,7 +108,7 @@ class FrameStream(ABC):
     """Frames as they come; ``with device.stream() as frames`` ends the stream as well."""
 
     @abstractmethod
-    def next(self, timeout=5.0):
+    def next(self, timeout: float = 5.0) -> Frame:
         """The next :class:`~ncdc_host.client.frame.Frame`, waiting ``timeout`` seconds at most.
 
         Raises
@@ -120,11 +121,11 @@ class FrameStream(ABC):
 
     @property
     @abstractmethod
-    def statistics(self):
+    def statistics(self) -> Statistics:
         """The :class:`Statistics` so far."""
 
     @abstractmethod
-    def close(self):
+    def close(self) -> None:
         """End the stream; a second time does nothing."""
 
     def __iter__(self):
@@ -149,19 +150,19 @@ class Device(ABC):
 
     @property
     @abstractmethod
-    def access(self):
+    def access(self) -> str:
         """"control"; "monitor": reads and watches only; "lost": control or the device is gone."""
 
     @abstractmethod
-    def names(self):
+    def names(self) -> list[str]:
         """Names of the features, in the order in which to show them."""
 
     @abstractmethod
-    def info(self, name):
+    def info(self, name: str) -> FeatureInfo:
         """The :class:`FeatureInfo` of a feature; raises :class:`DeviceError` for an unknown one."""
 
     @abstractmethod
-    def get(self, name):
+    def get(self, name: str) -> int | float | bool | str | None:
         """The value of a feature: an int, float, bool or str by its kind."""
 
     @abstractmethod
@@ -181,11 +182,12 @@ class Device(ABC):
         """
 
     @abstractmethod
-    def execute(self, name):
+    def execute(self, name: str) -> None:
         """Run a command feature."""
 
     @abstractmethod
-    def stream(self, packet_size=None, multicast=None):
+    def stream(self, packet_size: int | None = None,
+               multicast: str | None = None) -> FrameStream:
         """A :class:`FrameStream`, begun.
 
         Parameters
@@ -222,10 +224,10 @@ class Device(ABC):
         raise DeviceError(f"{self.url} takes no lens: only GVCP reaches the corrector's registers")
 
     @abstractmethod
-    def close(self):
+    def close(self) -> None:
         """Give control back and close; a second time does nothing."""
 
-    def features(self):
+    def features(self) -> dict[str, FeatureInfo]:
         """The :class:`FeatureInfo` of every feature by name."""
         return {name: self.info(name) for name in self.names()}
 

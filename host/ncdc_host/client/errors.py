@@ -2,8 +2,8 @@
 
 from ncdc_spec.errors import InputError
 
-__all__ = ["BadUrl", "BadValue", "DeviceError", "DeviceGone", "NoFrame", "Rejected",
-           "printable"]
+__all__ = ["BadUrl", "BadValue", "DeviceError", "DeviceGone", "NoFrame", "NotInstalled",
+           "Rejected", "printable"]
 
 
 def printable(text):
@@ -21,6 +21,10 @@ class DeviceError(Exception):
 
 class BadUrl(DeviceError, InputError):
     """A text that is no URL of a device."""
+
+
+class NotInstalled(DeviceError, InputError):
+    """A package that reaches devices is missing; the message names the line to type."""
 
 
 class DeviceGone(DeviceError):

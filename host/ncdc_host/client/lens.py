@@ -75,9 +75,10 @@ class LensLoader:
         names = {phase[0] | phase[1] << 1: name for name, phase in BAYER_PHASE.items()}
         word = values["BAYER_PHASE"]
         bayer = MONO if word & BAYER_MONO else names[word & 3]
-        sizes = [tuple(values[f"{side}_{part}"] for part in ("WIDTH", "HEIGHT"))
-                 for side in ("CORRECTED", "DISTORTED")]
-        return LensLimits(values["NEURONS"], *sizes, bayer,
+        corrected, distorted = (
+            tuple(values[f"{side}_{part}"] for part in ("WIDTH", "HEIGHT"))
+            for side in ("CORRECTED", "DISTORTED"))
+        return LensLimits(values["NEURONS"], corrected, distorted, bayer,
                           tuple(values["FILL"].to_bytes(4, "big")[1:]), self._nodes(),
                           self._interpolation())
 

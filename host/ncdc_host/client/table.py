@@ -205,14 +205,14 @@ class TableDevice(Device):
         with self._lock:
             value = self._value(one)
             locked = one.locked and self._word(self._connection.read, system_word("STREAMING"))
-            limits = ()
+            low = high = step = None
             if one.kind in ("integer", "float"):
                 scale = self._scale(one) if one.kind == "float" else 1
-                high = min(one.high, self._highest(one))
-                limits = tuple(float(number * scale) if one.kind == "float" else number
-                               for number in (one.low, high, one.step))
+                low, high, step = (
+                    float(number * scale) if one.kind == "float" else number
+                    for number in (one.low, min(one.high, self._highest(one)), one.step))
         writable = one.access == "rw" and not locked and self.access == "control"
-        return FeatureInfo(one.name, one.kind, value, writable, *(limits or (None,) * 3), one.unit,
+        return FeatureInfo(one.name, one.kind, value, writable, low, high, step, one.unit,
                            tuple(choice.name for choice in one.choices), one.text, one.category)
 
     def _highest(self, one):

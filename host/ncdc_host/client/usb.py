@@ -2,8 +2,9 @@
 
 import time
 
-from ncdc_host.client.errors import DeviceError, DeviceGone, NoFrame
+from ncdc_host.client.errors import DeviceError, DeviceGone, NoFrame, NotInstalled
 from ncdc_host.client.table import Connection, TableDevice, TableStream
+from ncdc_model.needs import pip_line
 
 __all__ = ["UsbConnection", "UsbDevice", "UsbPort", "ftdi_url"]
 
@@ -28,7 +29,7 @@ class UsbPort:
     ------
     DeviceGone
         If there is no such chip.
-    DeviceError
+    NotInstalled
         If pyftdi is missing.
     """
 
@@ -37,8 +38,8 @@ class UsbPort:
             from pyftdi.ftdi import Ftdi, FtdiError
             from pyftdi.usbtools import UsbToolsError
         except ImportError as error:
-            raise DeviceError("USB needs the package pyftdi, which "
-                              "pip install 'ncdc[usb]' brings") from error
+            raise NotInstalled("pyftdi is not installed, which usb:// needs: "
+                               f"{pip_line('usb')}") from error
         self.name, self.timeout = url or "ftdi://ftdi:232h/1", timeout
         self._error = FtdiError
         self._ftdi = Ftdi()

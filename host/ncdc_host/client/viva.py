@@ -6,12 +6,13 @@ import threading
 import time
 
 from ncdc_host.client.device import Device, FeatureInfo, FrameStream, Rate, Statistics, as_kind
-from ncdc_host.client.errors import DeviceError, DeviceGone, NoFrame, Rejected
+from ncdc_host.client.errors import DeviceError, DeviceGone, NoFrame, NotInstalled, Rejected
 from ncdc_host.client.found import Found
 from ncdc_host.client.frame import Frame
 from ncdc_host.client.gvcp_questions import Questions
 from ncdc_host.client.lens import LensLoader
 from ncdc_host.client.xml_check import check_xml
+from ncdc_model.needs import pip_line
 from ncdc_spec.errors import InputError
 from ncdc_spec.pixel_formats import format_of_pfnc
 from ncdc_spec.protocols import gvcp
@@ -33,8 +34,8 @@ def _viva():
     try:
         import viva_genicam
     except ImportError:
-        raise DeviceError("the package viva-genicam is missing, which gige:// needs: "
-                          "pip install 'ncdc[client]'") from None
+        raise NotInstalled("viva-genicam is not installed, which gige:// needs: "
+                           f"{pip_line('client')}") from None
     return viva_genicam
 
 
@@ -154,11 +155,11 @@ class VivaDevice(Device):
         node = self._call(name, lambda: self._camera.node_info(name))
         limits = state.range
         whole = int if kind == "integer" else float
-        numbers = [None if limits is None or value is None else whole(value) for value in
-                   (limits and limits.min, limits and limits.max, limits and limits.inc)]
+        low, high, step = (None if limits is None or value is None else whole(value) for value in
+                           (limits and limits.min, limits and limits.max, limits and limits.inc))
         return FeatureInfo(name, kind, state.value,
-                           state.access in ("RW", "WO") and self.access == "control", *numbers,
-                           state.unit or "", tuple(state.enum_entries or ()),
+                           state.access in ("RW", "WO") and self.access == "control", low, high,
+                           step, state.unit or "", tuple(state.enum_entries or ()),
                            node.description or "", self._categories[name])
 
     def _kind(self, name):

@@ -90,7 +90,7 @@ class ControlAgent:
             gvcp.READREG: self._readreg, gvcp.WRITEREG: self._writereg,
             gvcp.READMEM: self._readmem, gvcp.WRITEMEM: self._writemem,
             gvcp.PACKETRESEND: self._packetresend}
-        self._resend_budget = (0.0, _RESENT_PER_SECOND)
+        self._resend_budget = (0.0, float(_RESENT_PER_SECOND))
         self._lock = threading.RLock()
         self.controller = None          # (address, port) that holds control
         self._heard = 0.0

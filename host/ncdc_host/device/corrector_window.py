@@ -166,5 +166,7 @@ def descriptor_of_words(base, words):
         q.hidden_weight.real(arrays["hidden"][0]), q.hidden_bias.real(arrays["hidden"][1]),
         q.output_weight.real(arrays["output"][0]), q.output_bias.real(arrays["output"][1]),
         gamma=1.0, skip_weights=None if skip is None else q.skip_weight.real(skip))
-    return Descriptor(base.geometry, real, *arrays["hidden"], *arrays["output"],
-                      ValidRows(spans), q, base.variant, skip, nodes=base.nodes)
+    (hidden_weights, hidden_biases), (output_weights, output_biases) = (
+        arrays["hidden"], arrays["output"])
+    return Descriptor(base.geometry, real, hidden_weights, hidden_biases, output_weights,
+                      output_biases, ValidRows(spans), q, base.variant, skip, nodes=base.nodes)

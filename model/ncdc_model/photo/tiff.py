@@ -5,6 +5,7 @@ from io import BytesIO
 import numpy as np
 from tifffile import PHOTOMETRIC, TiffFile
 
+from ncdc_model.needs import pip_line
 from ncdc_model.photo.camera_raw import UnknownRaw, read_camera_raw
 from ncdc_model.photo.photo import Photo
 from ncdc_model.samples import eight_bits
@@ -45,10 +46,13 @@ def read_tiff(path, content, bits, warn):
             if frames or _DNG in pages[0].tags:
                 return _raw(path, content, pages[0], frames, bits, warn)
             return _page(path, _first(path, pages, warn), bits, warn, len(content))
-    except InputError:
+    except (InputError, ModuleNotFoundError):
         raise
     except Exception as error:      # tifffile and its codecs raise many kinds for damaged files
         reason = str(error).strip().splitlines()[:1] or [type(error).__name__]
+        if "imagecodecs" in reason[0]:
+            raise InputError(f"{path} is compressed, and imagecodecs is not installed: "
+                             f"{pip_line('calibrate')}") from error
         raise InputError(f"{path} holds no image that can be decoded: it is a TIFF file that is "
                          f"damaged or of a variant that is not supported ({reason[0]})") from error
 

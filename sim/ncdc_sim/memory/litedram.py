@@ -11,6 +11,7 @@ import sys
 from dataclasses import dataclass
 from pathlib import Path
 
+from ncdc_model.needs import pip_line
 from ncdc_sim.builds import built, key_of, without_header
 from ncdc_sim.tools import SimulationError, call
 from ncdc_spec.errors import InputError
@@ -77,7 +78,7 @@ def litedram_sources(core, ports):
         versions = [importlib.metadata.version(name) for name in _PACKAGES]
     except importlib.metadata.PackageNotFoundError as error:
         raise InputError(f"{error.name} is not installed, which the memory litedram needs: "
-                         "pip install 'ncdc[litedram]'") from error
+                         f"{pip_line('litedram')}") from error
     config = json.dumps(core.config | {"user_ports": {
         f"p{k}": {"type": "native", "block_until_ready": False} for k in range(ports)}})
 
