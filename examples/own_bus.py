@@ -18,7 +18,8 @@ from ncdc_spec.descriptor import Descriptor
 from ncdc_spec.hardware import Hardware
 from ncdc_spec.registers.register_map import CTRL_START
 
-WORD, CTRL = 4, 3       # bytes of a memory word; word address of a register, docs/reference/registers.md
+WORD = 4        # bytes of a memory word
+CTRL = 3        # word address of a register, see docs/reference/registers.md
 
 
 class MyCorrector(wiring.Component):

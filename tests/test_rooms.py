@@ -144,7 +144,8 @@ def import_without_amaranth(*names):
 @pytest.mark.longer
 def test_rooms_that_do_without_amaranth():
     """The host's belongs to them from the day on which it is built."""
-    names = [name for name in modules() if name.partition(".")[0] in ("ncdc_model", "ncdc_host", "ncdc_spec")]
+    names = [name for name in modules()
+             if name.partition(".")[0] in ("ncdc_model", "ncdc_host", "ncdc_spec")]
     assert any(name.startswith("ncdc_model.") for name in names)
     done = import_without_amaranth(*names)
     assert not done.returncode, done.stderr

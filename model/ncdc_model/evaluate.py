@@ -67,7 +67,8 @@ def check_curvature(descriptor, choices=None):
     """Error of interpolation between nodes from the descriptor's own network: {S: pixels}.
 
     The network has real numbers that are exactly the integers, see
-    :func:`ncdc_model.golden.nodes.curvature`. ``choices``: distances S; by default the descriptor's.
+    :func:`ncdc_model.golden.nodes.curvature`. ``choices``: distances S; the descriptor's by
+    default.
 
     Raises
     ------

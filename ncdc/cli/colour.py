@@ -21,7 +21,8 @@ def add_colour(parser):
 def colour_choice(args):
     """Function that chooses the :class:`Colour` of a frame by the options; None without them.
 
-    Its argument is the :class:`ncdc_model.golden.corrector.Corrected` frame, which ``grey-world`` needs.
+    Its argument is the :class:`~ncdc_model.golden.corrector.Corrected` frame, which ``grey-world``
+    needs.
 
     Raises
     ------

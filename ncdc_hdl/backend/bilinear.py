@@ -24,10 +24,10 @@ class Bilinear(wiring.Component):
 
     for each colour; u is the points' fraction bits: one for quads, in halves, four for
     gradient-corrected colours, in sixteenths. The latter may leave 0..255: the result is clamped.
-    Equal bit for bit to ``ncdc_model.golden.picture.bilinear``. Timing: free-running, ``latency`` clocks;
-    a product has a register before it, besides that of the difference, and two after it. Nine
-    multipliers of 18 bits: the second step's differences have a few more bits, whose products with
-    fy are added one clock later.
+    Equal bit for bit to ``ncdc_model.golden.picture.bilinear``. Timing: free-running, ``latency``
+    clocks; a product has a register before it, besides that of the difference, and two after it.
+    Nine multipliers of 18 bits: the second step's differences have a few more bits, whose products
+    with fy are added one clock later.
 
     Parameters
     ----------

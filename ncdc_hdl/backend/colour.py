@@ -19,7 +19,7 @@ COLOURS = data.ArrayLayout(8, 3)
 
 COLOUR = data.StructLayout({"gains": data.ArrayLayout(GAIN_BITS, 3),
                             "tone": data.ArrayLayout(NODE_BITS, len(NODE_POSITIONS))})
-"""Gains of red, green and blue, and nodes of the tone curve, see :mod:`ncdc_model.golden.colour`."""
+"""Gains of the colours, and nodes of the tone curve, see :mod:`ncdc_model.golden.colour`."""
 
 SUMS = data.StructLayout({name: 32 for name in ("red", "green", "blue", "pixels")})
 """Sums of a frame's colours, and the number of their pixels."""
@@ -36,8 +36,8 @@ class Colour(wiring.Component):
     left and right are the nodes of the piece that holds v, f the position of v in it in 64ths. Two
     pieces make an octave. The highest one of v and the bit below it select the piece, f is
     the bits below these two, moved to the top. Equal bit for bit to
-    :func:`ncdc_model.golden.colour.coloured`. Timing: free-running, ``latency`` clocks; a register is
-    before each product and two after it. Two multipliers a colour.
+    :func:`ncdc_model.golden.colour.coloured`. Timing: free-running, ``latency`` clocks. One
+    register is before each product and two after it. Two multipliers a colour.
 
     Members
     -------

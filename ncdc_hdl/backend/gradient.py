@@ -31,8 +31,8 @@ class GradientPoints(wiring.Component):
     chroma of the upper row comes first among the colours; it is blue if ``swapped``. Otherwise
     equal bit for bit to ``ncdc_model.golden.picture.gradient_colours``.
 
-    With a grey sensor (``mono``) green is that of ``ncdc_model.golden.picture.grey_corners``. The other
-    two colours have no meaning: at chroma, H and V are replaced by c, P and Q by zero, which
+    With a grey sensor (``mono``) green is that of ``ncdc_model.golden.picture.grey_corners``. The
+    other two colours have no meaning: at chroma, H and V are replaced by c, P and Q by zero, which
     gives 8 c + 4 (c + c).
 
     Timing: free-running, ``latency`` clocks.

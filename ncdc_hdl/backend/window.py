@@ -19,8 +19,8 @@ class WindowAddress(wiring.Component):
         blank  = the input's, or x0 outside -1 .. width - core + 1      core 3 (fast), 2 (gradient)
 
     An x0 of -1 or width - core + 1 is moved to the nearest point inside, see
-    ``ncdc_model.golden.picture.window_address``, to which this is equal bit for bit. For windows with a
-    margin it also gives the parts outside the frame.
+    ``ncdc_model.golden.picture.window_address``, to which this is equal bit for bit. For windows
+    with a margin it also gives the parts outside the frame.
     Timing: three stream stages (subtract, compare, choose), latency 3, one group per clock.
 
     Parameters

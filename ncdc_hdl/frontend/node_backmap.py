@@ -22,10 +22,11 @@ _QUEUE = 64     # groups in the queue and on the way to it
 class NodeBackMap(wiring.Component):
     """Network at nodes, coordinates between them, queue; replaces :class:`BackMap`.
 
-    Equal bit for bit to ``ncdc_model.golden.network.coordinates`` of a descriptor with these nodes. The
-    nodes are computed earlier than the pixels, into their own queue. The scan of pixels waits for a
-    node only when it reaches one. Timing: one group of pixels per clock, as long as the network
-    gives the nodes of a row in the clocks of its groups; ``start_latency`` to the first one.
+    Equal bit for bit to ``ncdc_model.golden.network.coordinates`` of a descriptor with these nodes.
+    The nodes are computed earlier than the pixels, into their own queue. The scan of pixels waits
+    for a node only when it reaches one. Timing: one group of pixels per clock, as long as the
+    network gives the nodes of a row in the clocks of its groups; ``start_latency`` to the first
+    one.
 
     Parameters
     ----------

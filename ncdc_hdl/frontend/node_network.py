@@ -29,9 +29,9 @@ def node_layout(formats):
 class NodeNetwork(wiring.Component):
     """Coordinates of all nodes of a frame, in the order of :class:`NodeScan`.
 
-    Equal bit for bit to ``ncdc_model.golden.network.network`` at the nodes. One network serves all pixels
-    of a group; each of its tan-sigmoids serves ``hardware.share`` neurons in turn. Timing: a node
-    every ``interval`` clocks, ``latency`` clocks from its issue to the queue.
+    Equal bit for bit to ``ncdc_model.golden.network.network`` at the nodes. One network serves all
+    pixels of a group; each of its tan-sigmoids serves ``hardware.share`` neurons in turn. Timing: a
+    node every ``interval`` clocks, ``latency`` clocks from its issue to the queue.
 
     Parameters
     ----------

@@ -24,8 +24,8 @@ class NodeScan(wiring.Component):
         x = (origin_x + (left + k S) step_x + half) >> shift      k = -1 .. n + 1
         y = (origin_y + v step_y + half) >> shift                 shift = 31 - input.f_bits
 
-    Equal bit for bit to ``ncdc_model.golden.network.normalised_scan``. By addition only: a strip's first
-    node is the third from the end of the strip before.
+    Equal bit for bit to ``ncdc_model.golden.network.normalised_scan``. By addition only: a strip's
+    first node is the third from the end of the strip before.
 
     Timing: each node is shown until ``interval`` clocks after its ``issue``. ``start`` to the first
     node takes ``latency`` clocks.

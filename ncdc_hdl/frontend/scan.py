@@ -24,8 +24,8 @@ class Scan(wiring.Component):
         y = (origin_y + v step_y + half) >> shift
         blank = u is in neither valid span of row v
 
-    Equal bit for bit to ``ncdc_model.golden.network.normalised_scan`` and ``ValidRows.mask``: the sums
-    are exact, only the shift rounds.
+    Equal bit for bit to ``ncdc_model.golden.network.normalised_scan`` and ``ValidRows.mask``: the
+    sums are exact, only the shift rounds.
 
     Timing: the outputs show one group while ``active``. The next one follows ``advance`` at once,
     also between rows and strips, unless a row has fewer than 4 groups. ``blank``

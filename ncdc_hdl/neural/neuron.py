@@ -197,8 +197,8 @@ class HiddenNeuron(_Accumulator):
         acc = (bias << bias_shift) + weights[0] i[0] + weights[1] i[1]     exact
         o   = sat((acc + 2**(shift-1)) >> shift)
 
-    Equal bit for bit to ``ncdc_model.golden.network.hidden_neuron``. Timing: free-running, one net per
-    clock, ``latency`` clocks. Weights and bias may change only between frames.
+    Equal bit for bit to ``ncdc_model.golden.network.hidden_neuron``. Timing: free-running, one net
+    per clock, ``latency`` clocks. Weights and bias may change only between frames.
 
     Parameters
     ----------

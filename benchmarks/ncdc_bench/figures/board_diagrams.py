@@ -1,4 +1,7 @@
-"""The drawings of the pages on boards: ``python -m ncdc_bench.figures.board_diagrams docs/figures``."""
+"""The drawings of the pages on boards.
+
+    python -m ncdc_bench.figures.board_diagrams docs/figures
+"""
 
 import re
 import sys

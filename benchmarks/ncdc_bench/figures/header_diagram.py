@@ -1,4 +1,7 @@
-"""The header of a Colorlight i9's extension board: ``python -m ncdc_bench.figures.header_diagram PNG``."""
+"""The header of a Colorlight i9's extension board.
+
+    python -m ncdc_bench.figures.header_diagram PNG
+"""
 
 import sys
 

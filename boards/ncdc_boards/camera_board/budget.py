@@ -13,8 +13,8 @@ from ncdc_spec.registers.system_values import memory_bytes
 
 __all__ = ["Budget", "budget_of", "check_lanes", "check_memory", "screen_burst"]
 
-# Share of the clocks with data, for chips with so many bits; docs/reference/sdram.md measures 84 and 79 % of
-# corrector, camera and video together.
+# Share of the clocks with data, for chips with so many bits; docs/reference/sdram.md measures 84
+# and 79 % of corrector, camera and video together.
 _EFFICIENCY = {16: .8, 32: .75}
 # In a round in which all hosts wait: turns of the screen, the writer and the corrector, words of
 # the latter two, clocks that a change of host costs. In simulation a screen that ran dry had 54 %

@@ -107,7 +107,7 @@ def design_of(board, named, sensor, mode, *, hardware=None, core_mhz=None, proce
 
 def times_for(setup):
     """The :class:`Times` for a sensor's :class:`Setup`: those of its data with a margin.
-    
+
     The watch is a second, or four frames if those are longer.
     """
     reset, rest = wake_times(setup.sensor.waking, setup.settings.clock_hz)

@@ -16,7 +16,8 @@ _PIXELS = 1 << 14       # that are corrected at a time: what lies between takes 
 
 
 class Correction:
-    """Corrects raw frames of one descriptor, bit for bit as :func:`ncdc_model.golden.corrector.correct`.
+    """Corrects raw frames of one descriptor, bit for bit as
+    :func:`ncdc_model.golden.corrector.correct`.
 
     Parameters
     ----------

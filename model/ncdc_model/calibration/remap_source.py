@@ -26,7 +26,8 @@ class RemapMap:
     Parameters
     ----------
     x, y : ndarray of float64, shape (height, width)
-        Not-a-number where the corrected pixel is not valid (:func:`~ncdc_model.golden.valid.valid_mask`).
+        Not-a-number where the corrected pixel is not valid, see
+        :func:`~ncdc_model.golden.valid.valid_mask`.
     geometry : Geometry
     model : str
         Format of the tables, for reports.

@@ -28,7 +28,7 @@ class ColourSums:
 
     @classmethod
     def of(cls, corrected):
-        """Sums of the :class:`ncdc_model.golden.corrector.Corrected` frame without gain and tone."""
+        """Sums of the frame ``corrected``, a :class:`~ncdc_model.golden.corrector.Corrected`."""
         seen = corrected.picture[~corrected.blank]
         return cls(*seen.sum(axis=0, dtype=np.int64).tolist(), len(seen))
 

@@ -225,7 +225,8 @@ def plan(descriptor, hardware, memory, timing, *, fixed=Fixed(), clock_mhz=CLOCK
     hardware : Hardware
         The planner chooses its tile cache, split and strip; the format of the pixels is used.
     memory : str
-        As for :func:`ncdc_model.planner.memory_timing.memory_timing`; ``sdram``, ``ddr3`` at the clock.
+        As for :func:`ncdc_model.planner.memory_timing.memory_timing`; ``sdram``, ``ddr3`` at
+        the clock.
     timing : callable
         :class:`CorrectorTiming` of a corrector of this descriptor and a hardware: strips may need
         other units than a raster.

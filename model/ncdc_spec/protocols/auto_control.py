@@ -1,9 +1,9 @@
 """Automatic exposure, gain and white balance: one rule in integers, for every device.
 
-The emulated device calls these functions; the firmware has the same rule in ``soc/ncdc_soc/firmware_source/auto.c``
-with the constants of this module, and a test compares both. The rule looks at one frame, made with
-known settings, and says which settings the next frames have. A rule that keeps the settings has
-settled.
+The emulated device calls these functions. The firmware has the same rule in
+``soc/ncdc_soc/firmware_source/auto.c`` with the constants of this module; a test compares both. The
+rule looks at one frame, made with known settings, and says which settings the next frames have. A
+rule that keeps the settings has settled.
 """
 
 from dataclasses import dataclass

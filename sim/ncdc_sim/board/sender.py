@@ -37,7 +37,7 @@ class Sent:
 
 
 class PictureSender:
-    """Claims frames, writes their headers, sends them, as ``soc/ncdc_soc/firmware_source/stream.c`` does.
+    """Claims frames, writes their headers, sends them, as the firmware's ``stream.c`` does.
 
     Two readers take turns, so that the frame before stays as it is while packets of it may be
     wanted again. The next frame is claimed when the last packet of the one before is sent.

@@ -50,8 +50,9 @@ class LiteDram:
 
 _COMMON = {"cpu": None, "sys_clk_freq": 100e6, "input_clk_freq": 100e6}
 
-# The memories of ncdc_model.planner.memory_timing: IS42S16320 twice, and a DDR3 of 2 Gbit, x16. LiteDRAM
-# counts modules of 8 bits. In simulation its model of PHY and memory stands for the PHY named.
+# The memories of ncdc_model.planner.memory_timing: IS42S16320 twice, a DDR3 of 2 Gbit, x16.
+# LiteDRAM counts modules of 8 bits. In simulation its model of PHY and memory stands for the PHY
+# named.
 LITEDRAM = {
     "litedram": LiteDram(32, 25, 4, 10, _COMMON | {
         "memtype": "SDR", "sdram_module": "IS42S16320", "sdram_module_nb": 4,
