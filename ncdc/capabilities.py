@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from importlib import metadata
 from pathlib import Path
 
-from ncdc_model.needs import PACKAGE_OF, apt_line, pip_line
+from ncdc_spec.needs import PACKAGE_OF, apt_line, pip_line
 
 __all__ = ["CAPABILITIES", "Capability", "Missing", "missing", "package_of", "packages_of"]
 

@@ -333,6 +333,8 @@ class Corrector(wiring.Component):
         ]
         if "mono" in self.interpolator.signature.members:
             m.d.comb += self.interpolator.mono.eq(active.BAYER_PHASE[2])
+        if "crest" in self.interpolator.signature.members:
+            m.d.comb += self.interpolator.crest.eq(active.CREST)
         if self.hardware.cached:
             m.d.comb += self.fetch.split.eq(active.CACHE_SPLIT)
         if "writes" in self.backmap.signature.members:

@@ -20,7 +20,7 @@ MAY_IMPORT = {
     "ncdc_bench": set(FOLDERS),
     "ncdc": set(FOLDERS) - {"ncdc_bench"},
     "ncdc_sim": {"ncdc_soc", "ncdc_boards", "ncdc_hdl", "ncdc_model", "ncdc_spec"},
-    "ncdc_soc": {"ncdc_boards", "ncdc_hdl", "ncdc_spec", "ncdc_model.needs"},
+    "ncdc_soc": {"ncdc_boards", "ncdc_hdl", "ncdc_spec"},
     "ncdc_boards": {"ncdc_hdl", "ncdc_spec", "ncdc_model.raw_lens"},
     # The emulated device corrects pictures; the window calibrates and trains.
     "ncdc_host": {"ncdc_spec", "ncdc_model.golden", "ncdc_model.images", "ncdc_model.example",

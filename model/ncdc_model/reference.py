@@ -5,36 +5,52 @@ from dataclasses import replace
 import cv2
 import numpy as np
 
+from ncdc_model.golden.directional import twice_direction
+from ncdc_model.golden.picture import raw_windows
 from ncdc_model.images import demosaic, mosaic
-from ncdc_spec.interpolation import FAST, INTERPOLATIONS
+from ncdc_spec.interpolation import DIRECTIONAL, FAST, INTERPOLATIONS
 
 __all__ = ["bayer_psnr", "correct_real", "grey_level_difference", "psnr"]
 
 
-def correct_real(descriptor, raw, offset=None):
+def correct_real(descriptor, raw, offset=None, at=None):
     """Corrected frame (height, width, 3) in real numbers: float network, float interpolation.
 
     The Bayer interpolation is that of the hardware, without rounding. Sources up to one pixel
     outside the image are clamped to it, as in ``picture.window_address``. Pixels farther outside or
     without a source are ``nan``.
     ``offset``: by default that of the interpolation (half a pixel between a quad's centre and its
-    first sample); another value shows the error without it.
+    first sample); another value shows the error without it. ``at``: (x', y') of every corrected
+    pixel, by default the float network's. The directional interpolation decides anew from sample
+    to sample, so that it shows a difference of coordinates there.
     """
     geometry = descriptor.geometry
     interpolation = geometry.interpolation
     offset = interpolation.offset if offset is None else offset
     v, u = np.indices(geometry.corrected[::-1])
-    x, y = descriptor.network(*geometry.normalise(u, v))
+    x, y = descriptor.network(*geometry.normalise(u, v)) if at is None else at
     blank = ~descriptor.valid.mask(geometry.corrected_width)
     source = []
     for value, size in ((x - offset, geometry.distorted_width),
                         (y - offset, geometry.distorted_height)):
         blank |= (value < -1) | (value >= size - interpolation.core + 2)
         source.append(np.clip(value, 0, size - interpolation.core + 1))
-    planes = (_grey if geometry.mono else _quads if interpolation == FAST
-              else _gradient_corrected)
-    result = np.stack([_sample(plane, *source) for plane in
-                       planes(raw.astype(np.float64), geometry.phase)], axis=-1).clip(0, 255)
+    samples = raw.astype(np.float64)
+
+    def picture(planes):
+        return np.stack([_sample(plane, *source) for plane in planes], axis=-1)
+
+    if interpolation == DIRECTIONAL and not geometry.mono:
+        x0, y0 = (np.minimum(value.astype(np.int64), size - 2)
+                  for value, size in zip(source, geometry.distorted))
+        twice = twice_direction(raw_windows(raw, interpolation)[y0, x0])[..., None]
+        result = sum((twice == each) * picture(_directional(samples, geometry.phase, each / 2))
+                     for each in range(-2, 3))
+    else:
+        planes = (_grey if geometry.mono else _quads if interpolation == FAST
+                  else _gradient_corrected)
+        result = picture(planes(samples, geometry.phase))
+    result = result.clip(0, 255)
     result[blank] = np.nan
     return result
 
@@ -61,9 +77,9 @@ def bayer_psnr(descriptor, colour):
     Returns
     -------
     dict
-        PSNR in dB: ``psnr_fast_db`` and ``psnr_gradient_db`` (the corrector's, with either
-        interpolation), ``psnr_demosaic_db`` (bilinear demosaicing of the frame, then bilinear
-        remapping), ``psnr_uncompensated_db`` (the fast one without the half pixel).
+        ``psnr_fast_db``, ``psnr_gradient_db``, ``psnr_directional_db`` (the corrector's, by its
+        interpolation), ``psnr_demosaic_db`` (bilinear demosaicing and remapping),
+        ``psnr_uncompensated_db`` (the fast one without the half pixel).
     """
     geometry = descriptor.geometry
     v, u = np.indices(geometry.corrected[::-1])
@@ -110,6 +126,53 @@ def _quads(raw, phase):
             total(np.where(is_blue, raw, 0)))
 
 
+def _around(raw):
+    """A function that gives the mean of the samples at (rows, columns) from every sample."""
+    framed = np.pad(raw, 2, mode="reflect")
+
+    def mean(*places):
+        return sum(framed[2 + down:, 2 + across:][:raw.shape[0], :raw.shape[1]]
+                   for down, across in places) / len(places)
+    return mean
+
+
+def _planes(raw, phase, along, down, green, chroma):
+    """Red, green, blue planes of what each sample lacks: the colour of its row and of its column
+    (green samples), green and the other chroma (red and blue ones)."""
+    column, row = phase
+    v, u = np.indices(raw.shape)
+    red_row, red_column = (v - row) % 2 == 0, (u - column) % 2 == 0
+    red = np.select([red_row & red_column, red_row, red_column], [raw, along, down], chroma)
+    blue = np.select([~red_row & ~red_column, ~red_row, ~red_column], [raw, along, down], chroma)
+    return red, np.where(red_row == red_column, green, raw), blue
+
+
+def _directional(raw, phase, s):
+    """Red, green, blue planes of the directional interpolation for one direction ``s``, -1 to 1.
+
+    Along a row, the colour difference of a sample is interpolated from those next to it in the
+    row, along a column likewise; ``s`` is the share of the row less that of the column.
+    """
+    mean = _around(raw)
+    left_right, above_below = mean((0, -1), (0, 1)), mean((-1, 0), (1, 0))
+    far_row, far_column = mean((0, -2), (0, 2)), mean((-2, 0), (2, 0))
+    corners = mean((-1, -1), (-1, 1), (1, -1), (1, 1))
+    bend = raw - (far_row + far_column) / 2
+    turn = 3 / 8 * (left_right - above_below) - (far_row - far_column) / 8
+    green = (left_right + above_below) / 2 + 3 / 8 * bend + s * turn
+    chroma = corners + bend / 2 + 2 * s * turn
+
+    def at_green(near, far, knights, s):
+        first = near + (raw - far) / 4
+        second = raw + (near + knights) / 2 - corners
+        return (first + second) / 2 + s * (first - second) / 2
+
+    tall = mean((-2, -1), (-2, 1), (2, -1), (2, 1))
+    wide = mean((-1, -2), (-1, 2), (1, -2), (1, 2))
+    return _planes(raw, phase, at_green(left_right, far_row, tall, s),
+                   at_green(above_below, far_column, wide, -s), green, chroma)
+
+
 def _gradient_corrected(raw, phase):
     """Red, green, blue planes: the colour of each sample by Malvar, He and Cutler (2004).
 
@@ -117,15 +180,7 @@ def _gradient_corrected(raw, phase):
     the mean of the nearest ones of its own colour: 1/2 for green, 5/8 for a chroma at a green
     sample, 3/4 for the other chroma.
     """
-    column, row = phase
-    framed = np.pad(raw, 2, mode="reflect")
-
-    def at(down, across):
-        return framed[2 + down:, 2 + across:][:raw.shape[0], :raw.shape[1]]
-
-    def mean(*offsets):
-        return sum(at(*offset) for offset in offsets) / len(offsets)
-
+    mean = _around(raw)
     side, above = mean((0, -1), (0, 1)), mean((-1, 0), (1, 0))
     corners = mean((-1, -1), (-1, 1), (1, -1), (1, 1))
     far_side, far_above = mean((0, -2), (0, 2)), mean((-2, 0), (2, 0))
@@ -136,13 +191,7 @@ def _gradient_corrected(raw, phase):
     # far ones across it have a negative weight.
     along = 5 / 8 * (raw - (4 * corners + 2 * far_side - far_above) / 5)
     across = 5 / 8 * (raw - (4 * corners + 2 * far_above - far_side) / 5)
-    v, u = np.indices(raw.shape)
-    red_row, red_column = (v - row) % 2 == 0, (u - column) % 2 == 0
-    red = np.select([red_row & red_column, red_row, red_column],
-                    [raw, side + along, above + across], chroma)
-    blue = np.select([~red_row & ~red_column, ~red_row, ~red_column],
-                     [raw, side + along, above + across], chroma)
-    return red, np.where(red_row == red_column, green, raw), blue
+    return _planes(raw, phase, side + along, above + across, green, chroma)
 
 
 def _sample(plane, x, y):

@@ -1,4 +1,4 @@
-"""Gains and tone curve of corrected pixels."""
+"""How colours of corrected pixels are made: crest, gains and tone curve."""
 
 from dataclasses import dataclass
 
@@ -21,6 +21,9 @@ class Colour:
         Gains of red, green and blue in 256ths, 0..1023: unsigned Q2.8, 0 to 3.996.
     tone : tuple of int
         Nodes of the tone curve for all three colours; see :mod:`ncdc_model.golden.tone`.
+    crest : int
+        Strength of the crest, one of :data:`ncdc_spec.interpolation.CRESTS`; 0 unless the
+        interpolation is directional.
 
     Raises
     ------
@@ -29,6 +32,7 @@ class Colour:
     """
     gains: tuple = (UNITY,) * 3
     tone: tuple = LINEAR
+    crest: int = 0
 
     def __post_init__(self):
         if len(self.gains) != len(COLOURS):

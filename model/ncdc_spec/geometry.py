@@ -6,7 +6,7 @@ import numpy as np
 
 from ncdc_spec.errors import InputError
 from ncdc_spec.fixed import Q
-from ncdc_spec.interpolation import FAST, GRADIENT, Interpolation
+from ncdc_spec.interpolation import DIRECTIONAL, FAST, GRADIENT, Interpolation
 
 __all__ = ["BAYERS", "BAYER_PHASE", "Geometry", "MAX_SIZE", "MIN_SIZE", "MONO", "SCAN",
            "STRIP_UNIT", "ValidRows", "check_strip_width", "scan_order"]
@@ -84,7 +84,7 @@ class Geometry:
             raise InputError(f"bayer is {self.bayer!r}, one of {', '.join(BAYERS)} is needed")
         if self.mono and self.interpolation == FAST:
             raise InputError(f"bayer is {MONO}, a grey sensor needs the interpolation "
-                             f"{GRADIENT.name}, not {FAST.name}")
+                             f"{GRADIENT.name} or {DIRECTIONAL.name}, not {FAST.name}")
         if len(self.fill) != 3 or not all(type(c) is int and 0 <= c <= 255 for c in self.fill):
             raise InputError(f"fill is {list(self.fill)}, three values of 0..255 are needed")
 

@@ -4,7 +4,8 @@ from dataclasses import dataclass
 
 from ncdc_spec.errors import InputError
 
-__all__ = ["DEFAULT", "FAST", "GRADIENT", "INTERPOLATIONS", "Interpolation", "interpolation_of"]
+__all__ = ["CRESTS", "DEFAULT", "DIRECTIONAL", "FAST", "GRADIENT", "INTERPOLATIONS",
+           "Interpolation", "check_crest", "interpolation_of"]
 
 _NARROW = 8             # samples of a word of the tile memory, or else twice as many
 
@@ -34,6 +35,8 @@ class Interpolation:
         Rows of a tile of the tile cache: 2 or 4.
     tile_rows : int
         Rows of tiles that the cache can look up in one clock: 2 or 4.
+    reach : int
+        Steps from the core, along rows and columns, of the farthest samples of the margin in use.
     """
     name: str
     core: int
@@ -42,6 +45,7 @@ class Interpolation:
     unit_bits: int
     tile_height: int
     tile_rows: int
+    reach: int
 
     @property
     def window(self):
@@ -57,12 +61,12 @@ class Interpolation:
     def samples(self):
         """(row, column) in the window of each sample that a pixel is made from, row by row.
 
-        These are all of the core, and those of the margin at most ``margin`` steps away from it.
+        These are all of the core, and those of the margin at most ``reach`` steps away from it.
         """
         away = [max(self.margin - k, k - self.after, 0)
                 for k in range(self.window)]
         return tuple((j, i) for j in range(self.window) for i in range(self.window)
-                     if away[j] + away[i] <= self.margin)
+                     if away[j] + away[i] <= self.reach)
 
     @property
     def box_rows(self):
@@ -84,13 +88,32 @@ class Interpolation:
 
 
 # The paper's: four overlapping quads of 2x2 samples, whose colours are half a sample further on.
-FAST = Interpolation("fast", core=3, margin=0, offset=0.5, unit_bits=1, tile_height=4, tile_rows=2)
+FAST = Interpolation("fast", core=3, margin=0, offset=0.5, unit_bits=1, tile_height=4, tile_rows=2,
+                     reach=0)
 # Four samples, each with a full colour by gradient-corrected kernels of 5x5 samples.
 GRADIENT = Interpolation("gradient", core=2, margin=2, offset=0.0, unit_bits=4, tile_height=2,
-                         tile_rows=4)
-INTERPOLATIONS = {each.name: each for each in (FAST, GRADIENT)}
+                         tile_rows=4, reach=2)
+# The same four samples, by kernels that follow the direction in which colours vary less; of the
+# window only the four corners are not used.
+DIRECTIONAL = Interpolation("directional", core=2, margin=2, offset=0.0, unit_bits=4,
+                            tile_height=2, tile_rows=4, reach=3)
+INTERPOLATIONS = {each.name: each for each in (FAST, GRADIENT, DIRECTIONAL)}
 # Default of training. A descriptor without a name is older than the choice: it has FAST.
 DEFAULT = GRADIENT
+
+
+CRESTS = {"off": 0, "mild": 1, "strong": 2}
+"""What the directional interpolation adds where bilinear blending cuts off crests."""
+
+
+def check_crest(crest, interpolation):
+    """Raise :class:`InputError` unless ``interpolation`` has that strength of crest, 0 to 2."""
+    if crest not in CRESTS.values():
+        raise InputError(f"the crest is {crest}, one of {', '.join(map(str, CRESTS.values()))} is "
+                         f"needed")
+    if crest and interpolation != DIRECTIONAL:
+        raise InputError(f"the interpolation is {interpolation.name}, a crest needs "
+                         f"{DIRECTIONAL.name}")
 
 
 def interpolation_of(name):

@@ -9,6 +9,7 @@ from ncdc_model.golden.colour import coloured
 from ncdc_model.golden.corrector import correct
 from ncdc_model.images import check_suffix, write_image
 from ncdc_spec.descriptor import Descriptor
+from ncdc_spec.interpolation import CRESTS
 
 __all__ = ["EXAMPLE", "add_arguments", "run"]
 
@@ -32,7 +33,8 @@ def run(args) -> None:
     choice = colour_choice(args)
     descriptor = Descriptor.load(args.descriptor)
     raw, note = raw_frame(args.image, descriptor.geometry, args.raw, args.bits)
-    corrected = correct(descriptor, raw, percent(Progress("correcting")))
+    corrected = correct(descriptor, raw, percent(Progress("correcting")),
+                        crest=CRESTS[args.crest])
     colour = choice(corrected) if choice else None
     write_image(args.output, coloured(corrected, colour) if colour else corrected.picture)
     if note:

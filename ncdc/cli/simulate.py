@@ -3,7 +3,7 @@
 import sys
 from dataclasses import replace
 
-from ncdc.cli.colour import add_colour, colour_choice, colour_line, colour_report
+from ncdc.cli.colour import add_colour, colour_choice, colour_line, colour_report, has_gains
 from ncdc.cli.common import add_json, add_samples, raw_frame, write_report
 from ncdc.cli.follow import add_follow, bound_of, follow_strip
 from ncdc.cli.hardware import add_hardware, fixed_of, hardware_of, planned
@@ -20,6 +20,7 @@ from ncdc_sim.tools import SIMULATORS
 from ncdc_spec.colour import Colour
 from ncdc_spec.descriptor import Descriptor
 from ncdc_spec.errors import InputError
+from ncdc_spec.interpolation import CRESTS
 
 __all__ = ["EXAMPLE", "add_arguments", "difference", "run"]
 
@@ -67,10 +68,10 @@ def run(args) -> int | None:
     fixed = fixed_of(args, follow_strip(args, descriptor.geometry))
     raw, note = raw_frame(args.image, descriptor.geometry, args.raw, args.bits)
     hardware = hardware_of(args)
-    hardware, _ = planned(replace(hardware, colour=hardware.colour or choice is not None), fixed,
+    hardware, _ = planned(replace(hardware, colour=hardware.colour or has_gains(args)), fixed,
                           descriptor)
     line = camera_line(args.line_clocks, descriptor.geometry) if args.follow else None
-    colour = choice(correct(descriptor, raw)) if choice else Colour()
+    colour = choice(correct(descriptor, raw, crest=CRESTS[args.crest])) if choice else Colour()
     simulation = simulate_correction(
         descriptor, raw, hardware, follow_line=line, colour=colour, progress=Progress("simulating"),
         memory=args.memory, simulator=args.simulator, seed=args.seed, waves=waves)

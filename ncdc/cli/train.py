@@ -99,7 +99,8 @@ def _add_hardware(parser):
     """Declare what the descriptor fixes of the hardware."""
     parser.add_argument("--interpolation", choices=list(INTERPOLATIONS), default=DEFAULT.name,
                         help="gradient: gradient-corrected colour from 6x6 raw samples, for the "
-                             "tile cache (default); fast: the paper's from 3x3, five decibels "
+                             "tile cache (default); directional: along edges, from the same "
+                             "window, better and larger; fast: the paper's from 3x3, five decibels "
                              "worse, for every fetcher and the smallest core")
     parser.add_argument("--tansig", choices=[*VARIANTS, "auto"], default="mmhbc",
                         help="tan-sigmoid: mmhbc: the paper's, no multiplier (default); classic: "

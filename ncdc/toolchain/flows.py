@@ -19,8 +19,8 @@ from amaranth.lib.wiring import In
 from ncdc.toolchain.ecp5_netlist.adder_inputs import absorb_inversions
 from ncdc.toolchain.ecp5_netlist.multiplier_registers import absorb_multiplier_registers
 from ncdc.toolchain.ecp5_netlist.output_registers import absorb_output_registers
-from ncdc_model.needs import pip_line
 from ncdc_spec.errors import InputError
+from ncdc_spec.needs import pip_line
 
 __all__ = ["SCRIPTS", "SEEDS", "Registered", "SynthesisError", "absorbed", "call_tool",
            "check_tools", "cyclone_iv", "cyclone_v", "ecp5", "ecp5_netlist", "plain_netlist",

@@ -9,11 +9,12 @@ from amaranth.lib.wiring import In, Out
 from ncdc_hdl.backend.bayer import QUADS
 from ncdc_hdl.lib import pipeline
 from ncdc_hdl.lib.pipeline import delay
-from ncdc_spec.interpolation import FAST
+from ncdc_spec.interpolation import DIRECTIONAL, FAST
 
 __all__ = ["Bilinear"]
 
 _BLOCK = 18     # bits of a multiplier block
+_CREST_BITS = 6     # fraction bits of a crest
 
 
 class Bilinear(wiring.Component):
@@ -44,16 +45,23 @@ class Bilinear(wiring.Component):
     fx, fy : ``In(f_bits)``
     reversed : ``In(2)``
         For each row, whether its points come right to left; only for signed colours.
+    crest : ``In(signed(14))``
+        With a crest only: added to all colours with the half of the rounding, in 64ths of a grey
+        level, ``crest_clock`` clocks after the four colours.
     o : ``Out(ArrayLayout(8, 3))``
         Red, green, blue.
     """
 
+    crest_clock = 11        # after which the sum of both steps is complete
+
     def __init__(self, f_bits, interpolation=FAST, points=QUADS):
         self.f_bits, self.unit_bits = f_bits, interpolation.unit_bits
         self.colour = Shape.cast(points.elem_shape)
+        self.crested = interpolation == DIRECTIONAL
         super().__init__({"i": In(points), "fx": In(f_bits), "fy": In(f_bits),
                           "o": Out(data.ArrayLayout(8, 3))}
-                         | ({"reversed": In(2)} if self.colour.signed else {}))
+                         | ({"reversed": In(2)} if self.colour.signed else {})
+                         | ({"crest": In(signed(14))} if self.crested else {}))
 
     @property
     def latency(self):
@@ -115,7 +123,12 @@ class Bilinear(wiring.Component):
             if not self.colour.signed:
                 m.d.sync += self.o[colour].eq(whole + total[shift - 1])
                 continue
-            rounded = register(f"r{colour}", whole.as_signed() + total[shift - 1])
+            if self.crested:
+                rounded = register(f"r{colour}",
+                                   total[shift - _CREST_BITS:].as_signed() + self.crest)
+                rounded = rounded >> _CREST_BITS
+            else:
+                rounded = register(f"r{colour}", whole.as_signed() + total[shift - 1])
             # Cycle 13: clamp.
             m.d.sync += self.o[colour].eq(
                 Mux(rounded < 0, 0, rounded[:8] | (rounded > 255).replicate(8)))

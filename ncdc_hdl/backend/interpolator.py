@@ -7,15 +7,17 @@ from amaranth.lib.wiring import In, Out
 from ncdc_hdl.backend.bayer import BayerQuads
 from ncdc_hdl.backend.bilinear import Bilinear
 from ncdc_hdl.backend.colour import COLOUR, SUMS, Colour, ColourSums
+from ncdc_hdl.backend.directional import Crest, DirectionalPoints
 from ncdc_hdl.backend.gradient import GradientPoints
 from ncdc_hdl.backend.layouts import pixel_layout, window_layout
 from ncdc_hdl.lib.credits import CreditQueue
 from ncdc_hdl.lib.groups import lanes_of
-from ncdc_hdl.lib.pipeline import delay
-from ncdc_spec.interpolation import FAST
+from ncdc_hdl.lib.pipeline import DelayMemory, delay
+from ncdc_spec.interpolation import DIRECTIONAL, FAST, GRADIENT
 
 __all__ = ["Interpolator"]
 
+_DECODERS = {FAST: BayerQuads, GRADIENT: GradientPoints, DIRECTIONAL: DirectionalPoints}
 _QUEUED = 32    # fewest groups: a smaller queue takes as much memory
 
 class Interpolator(wiring.Component):
@@ -42,6 +44,9 @@ class Interpolator(wiring.Component):
     mono : ``In(1)``
         Whether the sensor is grey: all three colours are its samples. Constant during a frame; not
         for the fast interpolation.
+    crest : ``In(2)``
+        Strength of the crest, 0 to 2; constant during a frame; for the directional interpolation
+        only.
     colour, begin, sums : ``In(COLOUR)``, ``In(1)``, ``Out(SUMS)``
         Gains and tone curve, constant during a frame; for pixels with a source. Begins a frame,
         before its first window. Sums of its colours before the gains, for pixels with a source. All
@@ -52,8 +57,7 @@ class Interpolator(wiring.Component):
 
     def __init__(self, f_bits, lanes=1, interpolation=FAST, colour=False):
         self.f_bits, self.lanes, self.interpolation = f_bits, lanes, interpolation
-        self.decoders = [BayerQuads() if interpolation == FAST else GradientPoints()
-                         for _ in range(lanes)]
+        self.decoders = [_DECODERS[interpolation]() for _ in range(lanes)]
         self.bilinears = [Bilinear(f_bits, interpolation, decoder.signature.members["o"].shape)
                           for decoder in self.decoders]
         self.colours = [Colour() for _ in range(lanes)] if colour else []
@@ -62,6 +66,7 @@ class Interpolator(wiring.Component):
             "i": In(stream.Signature(window_layout(f_bits, lanes, interpolation))),
             "o": Out(stream.Signature(pixel_layout(lanes))),
         } | ({} if interpolation == FAST else {"mono": In(1)})
+            | ({"crest": In(2)} if interpolation == DIRECTIONAL else {})
             | ({"colour": In(COLOUR), "begin": In(1), "sums": Out(SUMS)} if colour else {}))
 
     @property
@@ -104,6 +109,8 @@ class Interpolator(wiring.Component):
                 swapped = delay(m, bayer.swapped, bilinear.latency, f"swapped{k}")
                 colours = Mux(swapped, Cat(bilinear.o[0], bilinear.o[1], bilinear.o[2]), colours)
                 colours = Mux(self.mono, bilinear.o[1].replicate(3), colours)
+            if self.interpolation == DIRECTIONAL:
+                self._crest(m, k, window)
             if self.colours:
                 colours = self._coloured(m, k, colours)
             m.d.comb += Cat(pixel.b, pixel.g, pixel.r).eq(Mux(blank, self.fill, colours))
@@ -111,6 +118,19 @@ class Interpolator(wiring.Component):
             self._sums(m, queue.issue)
         wiring.connect(m, queue.o, wiring.flipped(self.o))
         return m
+
+    def _crest(self, m, k, window):
+        """The crest of lane ``k``, handed to the interpolation in its clock."""
+        bayer, bilinear, crest = self.decoders[k], self.bilinears[k], Crest(self.f_bits)
+        m.submodules[f"crest{k}"] = crest
+        wait = bayer.latency + bilinear.crest_clock - bayer.bend_latency - crest.latency
+        m.submodules[f"crest_delay{k}"] = late = DelayMemory(crest.o.shape(), wait)
+        m.d.comb += [
+            crest.bend.eq(bayer.bend), crest.strength.eq(self.crest),
+            crest.fx.eq(delay(m, window.fx, bayer.bend_latency, f"crest_fx{k}")),
+            crest.fy.eq(delay(m, window.fy, bayer.bend_latency, f"crest_fy{k}")),
+            late.i.eq(crest.o), bilinear.crest.eq(late.o),
+        ]
 
     def _coloured(self, m, k, colours):
         """The ``colours`` of lane ``k`` after gain and tone: blue, green, red."""

@@ -7,7 +7,7 @@ from amaranth.utils import exact_log2
 
 from ncdc_spec.frames import MONO8, OUTPUT_FORMATS
 from ncdc_spec.geometry import MAX_SIZE, MIN_SIZE, STRIP_UNIT
-from ncdc_spec.interpolation import GRADIENT
+from ncdc_spec.interpolation import FAST
 from ncdc_spec.registers.register_map import BAYER_MONO
 
 __all__ = ["FAULTS", "Checks"]
@@ -77,7 +77,7 @@ class Checks(wiring.Component):
     def _loses(self, active):
         """Whether the pixels in memory would not be the corrected ones."""
         grey = (active.BAYER_PHASE & BAYER_MONO).any()
-        if not (self.hardware.cached and self.hardware.cache.interpolation == GRADIENT):
+        if not self.hardware.cached or self.hardware.cache.interpolation == FAST:
             grey = Const(0)     # the fast interpolation ignores that bit
         form = active.OUTPUT_FORMAT
         known = Cat(form == one.code for one in OUTPUT_FORMATS.values()).any()

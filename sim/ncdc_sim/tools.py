@@ -8,8 +8,8 @@ import subprocess
 from pathlib import Path
 
 from ncdc_hdl.export.waivers import DEFAULT_WARNINGS
-from ncdc_model.needs import apt_line, check_programs, pip_line
 from ncdc_spec.errors import InputError
+from ncdc_spec.needs import apt_line, check_programs, pip_line
 
 __all__ = ["SIMULATORS", "SimulationError", "WAIVERS", "call", "check_compiler", "environment",
            "tool", "version"]

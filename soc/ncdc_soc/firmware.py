@@ -12,12 +12,12 @@ from pathlib import Path
 from ncdc_boards.camera_board.programs import I2C_HZ
 from ncdc_hdl.camera.i2c import quarter_clocks
 from ncdc_hdl.link.processor import LINK_BASE
-from ncdc_model.needs import check_programs
 from ncdc_soc.lwip import FILES, lwip_source
 from ncdc_soc.mac import SLOT_BYTES
 from ncdc_soc.processor import MAP
 from ncdc_spec.errors import InputError
 from ncdc_spec.frames import output_format
+from ncdc_spec.needs import check_programs
 from ncdc_spec.pixel_formats import raw_format
 from ncdc_spec.protocols import auto_control, gvcp, gvcp_tables, gvsp
 from ncdc_spec.protocols.features import FEATURES, feature

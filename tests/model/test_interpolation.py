@@ -1,4 +1,4 @@
-"""The gradient-corrected interpolation, and what a descriptor says of it."""
+"""Interpolation by windows of 6x6 samples, and what a descriptor says of it."""
 
 from dataclasses import replace
 
@@ -7,6 +7,8 @@ import pytest
 
 from cameras import barrel_descriptor
 from ncdc_model.golden.corrector import correct
+from ncdc_model.golden.directional import directional_colours, twice_direction
+from ncdc_model.golden.network import coordinates
 from ncdc_model.golden.picture import (
     bilinear,
     corner_colours,
@@ -21,47 +23,73 @@ from ncdc_spec.errors import InputError
 from ncdc_spec.fixed import Q
 from ncdc_spec.geometry import BAYER_PHASE, BAYERS, MONO, Geometry
 from ncdc_spec.hardware import Hardware
-from ncdc_spec.interpolation import FAST, GRADIENT
+from ncdc_spec.interpolation import DIRECTIONAL, FAST, GRADIENT
 from ncdc_spec.registers.host_values import host_values
 from ncdc_spec.registers.register_map import BAYER_MONO, INTERPOLATION_BITS, capabilities
 
+DECODERS = {GRADIENT: gradient_colours, DIRECTIONAL: directional_colours}
+both = pytest.mark.parametrize("needs", DECODERS, ids=lambda each: each.name)
 
-def gradient_descriptor(**geometry):
-    return barrel_descriptor((48, 40), (64, 48), interpolation=GRADIENT, **geometry)
+
+def gradient_descriptor(needs=GRADIENT, **geometry):
+    return barrel_descriptor((48, 40), (64, 48), interpolation=needs, **geometry)
 
 
+@both
 @pytest.mark.parametrize("bayer", BAYERS)
-def test_integers_are_the_floating_point_picture_rounded(bayer):
-    d = gradient_descriptor(bayer=bayer)
+def test_integers_are_the_floating_point_picture_rounded(needs, bayer):
+    d = gradient_descriptor(needs, bayer=bayer)
     raw = np.random.default_rng(1).integers(0, 256, (48, 64), np.uint8)
     result = correct(d, raw)
-    real = correct_real(d, raw)
+    v, u = np.indices(d.geometry.corrected[::-1])
+    at = [d.formats.coordinate.real(value) for value in coordinates(d, u, v)]
+    real = correct_real(d, raw, at=at)
     assert grey_level_difference(result.picture, real) <= 1
     # Noise drives the kernels beyond both ends, where the result is clamped; grey has no kernel.
     assert ({0, 255} <= set(result.picture[~result.blank].ravel().tolist())) == (bayer != MONO)
     assert result.blank.any() and not result.blank.all()
 
 
+@both
 @pytest.mark.parametrize("bayer", BAYER_PHASE)
-def test_a_flat_colour_stays_that_colour_up_to_every_edge(bayer):
+def test_a_flat_colour_stays_that_colour_up_to_every_edge(needs, bayer):
     colour = np.broadcast_to(np.uint8([201, 90, 17]), (10, 12, 3))
     windows = raw_windows(mosaic(colour, bayer), GRADIENT)
     y0, x0 = np.indices((9, 11))
-    places = gradient_colours(windows[y0, x0], x0, y0, BAYER_PHASE[bayer])
+    places = DECODERS[needs](windows[y0, x0], x0, y0, BAYER_PHASE[bayer])
     assert (places == 16 * colour[0, 0].astype(int).reshape(1, 1, 3, 1, 1)).all()
 
 
-def test_a_ramp_stays_a_ramp_away_from_the_edges():
+@both
+def test_a_ramp_stays_a_ramp_away_from_the_edges(needs):
     """Each kernel is exact for a linear picture, whose three colours have the same slope."""
     v, u = np.indices((12, 14))
     colour = np.stack([3 * u + 2 * v + first for first in (10, 60, 90)], axis=-1).astype(np.uint8)
     windows = raw_windows(mosaic(colour, "GBRG"), GRADIENT)
     y0, x0 = np.mgrid[2:9, 2:11]
-    places = gradient_colours(windows[y0, x0], x0, y0, BAYER_PHASE["GBRG"])
+    places = DECODERS[needs](windows[y0, x0], x0, y0, BAYER_PHASE["GBRG"])
     for j in range(2):
         for i in range(2):
             np.testing.assert_array_equal(np.moveaxis(places[j, i], 0, -1),
                                           16 * colour[y0 + j, x0 + i].astype(int))
+
+
+def test_the_direction_is_that_of_stripes_and_turns_with_them():
+    rng = np.random.default_rng(7)
+    windows = rng.integers(0, 256, (500, 6, 6))
+    np.testing.assert_array_equal(twice_direction(windows.swapaxes(1, 2)),
+                                  -twice_direction(windows))
+    along_columns = np.broadcast_to(rng.integers(0, 256, (500, 1, 6)), (500, 6, 6))
+    assert (twice_direction(along_columns) <= 0).all()
+    assert (twice_direction(along_columns) == -2).mean() > .9
+    assert not twice_direction(np.full((1, 6, 6), 90)).any()
+
+
+def test_a_transposed_window_has_transposed_colours_but_for_rounding():
+    windows = np.random.default_rng(9).integers(0, 256, (300, 6, 6))
+    turned = directional_colours(windows.swapaxes(1, 2), 0, 0, (0, 0))
+    upright = directional_colours(windows, 0, 0, (0, 0)).swapaxes(0, 1)
+    assert 0 < np.abs(turned - upright).max() <= 2      # sixteenths: halves are rounded down
 
 
 def test_samples_outside_the_frame_are_mirrored():
@@ -115,7 +143,7 @@ def test_a_grey_sensor_is_a_bit_of_the_register_of_the_phase(tmp_path):
     loaded = Descriptor.load(tmp_path / "grey.toml")
     assert loaded.geometry.mono and loaded.digest == grey.digest
     with pytest.raises(InputError, match="bayer is MONO, a grey sensor needs the interpolation "
-                                         "gradient, not fast"):
+                                         "gradient or directional, not fast"):
         replace(grey.geometry, interpolation=FAST)
 
 
@@ -130,12 +158,12 @@ def test_a_descriptor_keeps_its_interpolation(tmp_path):
     assert loaded.geometry.interpolation == GRADIENT and loaded.digest == gradient.digest
     text = (tmp_path / "gradient.toml").read_text().replace('"gradient"', '"cubic"')
     (tmp_path / "cubic.toml").write_text(text)
-    with pytest.raises(InputError, match="the interpolation is 'cubic', one of fast, gradient"):
+    with pytest.raises(InputError, match="the interpolation is 'cubic', one of fast, gradient, "):
         Descriptor.load(tmp_path / "cubic.toml")
 
 
 def test_hardware_tells_which_it_has():
-    for needs in (FAST, GRADIENT):
+    for needs in (FAST, GRADIENT, DIRECTIONAL):
         made = Hardware().made_for(barrel_descriptor(interpolation=needs))
         word = capabilities(made, 48, 40)["CAPABILITIES"]
         assert [name for name, bit in INTERPOLATION_BITS.items() if word & bit] == [needs.name]

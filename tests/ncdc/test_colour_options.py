@@ -1,6 +1,8 @@
 """White balance and tone on the command line: correct, simulate, generate."""
 
 import json
+import shutil
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -12,6 +14,8 @@ from ncdc_model.golden.corrector import correct
 from ncdc_model.golden.tone import tone_named
 from ncdc_model.images import read_image, write_image
 from ncdc_spec.colour import Colour
+from ncdc_spec.descriptor import Descriptor
+from ncdc_spec.interpolation import CRESTS, DIRECTIONAL
 from ncdc_spec.white_balance import grey_world
 
 D = barrel_descriptor((40, 24), (50, 34), hidden_neurons=2, fill=(250, 20, 3))
@@ -66,7 +70,24 @@ def test_the_verilog_gives_the_picture_of_the_golden_model(folder, tmp_path, cap
     sums = ColourSums.of(plain(folder))
     assert {name: two[name.lower()] for name in sums.registers} == sums.registers
     gains = ", ".join(f"{gain:.3f}" for gain in one["gains"])
-    assert capsys.readouterr().out.count(f"gains {gains}; tone sRGB\n") == 2
+    assert capsys.readouterr().out.count(f"gains {gains}; tone sRGB; crest off\n") == 2
+
+
+def test_crests_are_those_of_the_directional_interpolation(folder, tmp_path, capsys):
+    picture = tmp_path / "out.png"
+    assert run(folder, "correct", picture, "--crest", "mild") == 2
+    assert "the interpolation is fast, a crest needs directional" in capsys.readouterr().err
+    assert not picture.exists()
+    descriptor = Descriptor.load(folder / "net.toml")
+    directional = replace(descriptor, geometry=replace(descriptor.geometry,
+                                                       interpolation=DIRECTIONAL))
+    directional.save(tmp_path / "net.toml")
+    raw = read_image(folder / "raw.png")
+    shutil.copy(folder / "raw.png", tmp_path)
+    for name, strength in CRESTS.items():
+        assert run(tmp_path, "correct", picture, "--crest", name) == 0
+        np.testing.assert_array_equal(read_image(picture),
+                                      correct(directional, raw, crest=strength).picture)
 
 
 def test_a_gain_at_its_limit_is_told(folder, tmp_path, capsys):

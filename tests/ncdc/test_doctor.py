@@ -13,7 +13,7 @@ import pytest
 
 from ncdc import capabilities
 from ncdc.cli import main
-from ncdc_model.needs import PACKAGE_OF
+from ncdc_spec.needs import PACKAGE_OF
 
 ROOT = Path(__file__).resolve().parents[2]
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]

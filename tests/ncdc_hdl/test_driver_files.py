@@ -71,7 +71,7 @@ int main(void) {{
         assert first == (f"{d.digest} {d.hidden_neurons} 400 {width} {height} "
                          f"{values['SOURCE_LIMIT']} {target}")
         for name in ("SOURCE_BASE", "SOURCE_LIMIT", "TARGET_BASE", "TARGET_LIMIT", "VALID_BANK",
-                     "FOLLOW"):
+                     "FOLLOW", "CREST"):
             del values[name]
         address = {r.name: 4 * r.address for r in ROWS}
         expected = [(address[name], value % 2**32) for name, value in values.items()]

@@ -8,7 +8,7 @@ import numpy as np
 from ncdc_model.golden.corrector import correct
 from ncdc_model.images import demosaic, mosaic
 from ncdc_model.reference import psnr
-from ncdc_spec.interpolation import INTERPOLATIONS
+from ncdc_spec.interpolation import CRESTS, DIRECTIONAL, INTERPOLATIONS
 
 __all__ = ["FLOWS", "Subject", "fitted", "measure"]
 
@@ -17,7 +17,8 @@ _RIM = 3            # samples at the raw frame's border that are not compared
 _DEMOSAICING = "bilinear", "edge-aware", "vng"
 _REMAPPING = {"bilinear": cv2.INTER_LINEAR, "bicubic": cv2.INTER_CUBIC}
 _OPENCV = {f"opencv {name}, {way}": (name, way) for name in _DEMOSAICING for way in _REMAPPING}
-FLOWS = (*INTERPOLATIONS, *_OPENCV)
+_CREST = f"{DIRECTIONAL.name}+crest"
+FLOWS = (*INTERPOLATIONS, _CREST, *_OPENCV)
 
 
 @dataclass(frozen=True)
@@ -72,8 +73,12 @@ def measure(descriptor, subject):
     def remap(image, kernel):
         return np.clip(cv2.remap(image.astype(np.float32), x, y, kernel), 0, 255)
 
-    made = {name: correct(replace(descriptor, geometry=replace(geometry, interpolation=each)),
-                          raw).picture for name, each in INTERPOLATIONS.items()}
+    def corrected(interpolation, **options):
+        made_for = replace(descriptor, geometry=replace(geometry, interpolation=interpolation))
+        return correct(made_for, raw, **options).picture
+
+    made = {name: corrected(each) for name, each in INTERPOLATIONS.items()}
+    made[_CREST] = corrected(DIRECTIONAL, crest=CRESTS["mild"])
     made |= {flow: remap(demosaic(raw, geometry.bayer, name), _REMAPPING[way])
              for flow, (name, way) in _OPENCV.items()}
     reference = remap(subject.colour, cv2.INTER_LINEAR)

@@ -25,7 +25,7 @@ from ncdc_spec.descriptor import Descriptor, FloatNetwork
 from ncdc_spec.formats import Formats
 from ncdc_spec.geometry import Geometry, ValidRows
 from ncdc_spec.hardware import Hardware
-from ncdc_spec.interpolation import FAST, GRADIENT
+from ncdc_spec.interpolation import DIRECTIONAL, FAST, GRADIENT
 from ncdc_spec.tansig import design_for
 
 __all__ = ["BLOCKS", "ONLY", "component", "traits"]
@@ -34,6 +34,7 @@ _GEOMETRY = Geometry(1280, 1024, 1280, 1024)
 _SCREEN = Geometry(640, 480, 640, 480)     # what boards show
 _CACHE = CacheOptions.of_bytes(32 << 10)
 _GRADIENT_CACHE = CacheOptions.of_bytes(32 << 10, GRADIENT)
+_DIRECTIONAL_CACHE = CacheOptions.of_bytes(32 << 10, DIRECTIONAL)
 _DATA_WIDTH = 32
 _NODES = 16             # pixels from node to node, as on most of the reference lenses
 
@@ -120,12 +121,17 @@ BLOCKS = {
     "fetcher": {"cache 32 KB":
                 lambda bits: Cache(Formats().coordinate.f_bits, _DATA_WIDTH, _CACHE),
                 "cache 32 KB gradient":
-                lambda bits: Cache(Formats().coordinate.f_bits, _DATA_WIDTH, _GRADIENT_CACHE)},
+                lambda bits: Cache(Formats().coordinate.f_bits, _DATA_WIDTH, _GRADIENT_CACHE),
+                "cache 32 KB directional":
+                lambda bits: Cache(Formats().coordinate.f_bits, _DATA_WIDTH, _DIRECTIONAL_CACHE)},
     "interpolator": {"bayer bilinear":
                      lambda bits: Interpolator(Formats().coordinate.f_bits),
                      "gradient bilinear":
                      lambda bits: Interpolator(Formats().coordinate.f_bits,
-                                               interpolation=GRADIENT)},
+                                               interpolation=GRADIENT),
+                     "directional bilinear":
+                     lambda bits: Interpolator(Formats().coordinate.f_bits,
+                                               interpolation=DIRECTIONAL)},
     "camera": {"capture, store, I2C": lambda bits: CameraBlocks(_DATA_WIDTH, 16, 3, 512),
                "with a queue of 32": lambda bits: CameraBlocks(_DATA_WIDTH, 16, 3, 32),
                "frame store": lambda bits: FrameStore(3), "I2C": lambda bits: I2cController(),
@@ -144,6 +150,8 @@ BLOCKS = {
              "HN 16, nodes, table": _core(16, "table", _NODES),
              "HN 16, nodes, gradient": _core(16, nodes=_NODES, interpolation=GRADIENT),
              "HN 16, nodes, table, gradient": _core(16, "table", _NODES, interpolation=GRADIENT),
+             "HN 16, nodes, table, directional": _core(16, "table", _NODES,
+                                                       interpolation=DIRECTIONAL),
              "HN 16, nodes, 4 lanes": _four_lanes("mmhbc"),
              "HN 16, nodes, 4 lanes, table": _four_lanes("table"),
              "HN 16, nodes, 4 lanes, table, gradient": _four_lanes("table", GRADIENT)},

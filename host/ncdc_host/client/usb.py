@@ -4,7 +4,7 @@ import time
 
 from ncdc_host.client.errors import DeviceError, DeviceGone, NoFrame, NotInstalled
 from ncdc_host.client.table import Connection, TableDevice, TableStream
-from ncdc_model.needs import pip_line
+from ncdc_spec.needs import pip_line
 
 __all__ = ["UsbConnection", "UsbDevice", "UsbPort", "ftdi_url"]
 

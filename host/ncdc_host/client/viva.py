@@ -12,8 +12,8 @@ from ncdc_host.client.frame import Frame
 from ncdc_host.client.gvcp_questions import Questions
 from ncdc_host.client.lens import LensLoader
 from ncdc_host.client.xml_check import check_xml
-from ncdc_model.needs import pip_line
 from ncdc_spec.errors import InputError
+from ncdc_spec.needs import pip_line
 from ncdc_spec.pixel_formats import format_of_pfnc
 from ncdc_spec.protocols import gvcp
 

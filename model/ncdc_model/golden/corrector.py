@@ -4,10 +4,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ncdc_model.golden.directional import crest_of
 from ncdc_model.golden.network import coordinates
 from ncdc_model.golden.picture import bilinear, corner_colours, fetches, raw_windows, window_address
 from ncdc_spec.errors import InputError
 from ncdc_spec.geometry import scan_order
+from ncdc_spec.interpolation import check_crest
 
 __all__ = ["Corrected", "check_raw", "correct", "window_bands"]
 
@@ -34,28 +36,32 @@ def check_raw(raw, geometry):
                          "for {}x{}".format(*geometry.distorted))
 
 
-def correct(descriptor, raw, progress=lambda done, total: None, strip=0):
+def correct(descriptor, raw, progress=lambda done, total: None, strip=0, crest=0):
     """Correct the ``raw`` Bayer frame (distorted height, width) uint8; returns :class:`Corrected`.
 
     ``progress(done, total)`` is called with the corrected rows done. ``strip``: as in
-    :func:`ncdc_spec.geometry.scan_order`; only the number of fetches depends on it.
+    :func:`ncdc_spec.geometry.scan_order`; only the number of fetches depends on it. ``crest``: its
+    strength, 0 to 2, see :mod:`ncdc_model.golden.directional`.
 
     Raises
     ------
     InputError
-        If the frame is not of the descriptor's distorted size.
+        If the frame is not of the descriptor's distorted size, or there is a crest and the
+        interpolation is another one than directional.
     """
     geometry, coordinate = descriptor.geometry, descriptor.formats.coordinate
     check_raw(raw, geometry)
+    check_crest(crest, geometry.interpolation)
     width, height = geometry.corrected
     windows = raw_windows(raw, geometry.interpolation)
     picture = np.empty((height, width, 3), np.uint8)
     valid = np.empty((height, width), bool)
     origins = np.empty((2, height, width), np.int64)
     for rows, x0, y0, fx, fy, not_blank in window_bands(descriptor):
-        corners = corner_colours(windows[y0, x0], x0, y0, geometry)
-        picture[rows] = bilinear(corners, fx, fy, coordinate.f_bits,
-                                 geometry.interpolation.unit_bits)
+        window = windows[y0, x0]
+        added = crest_of(window, fx, fy, coordinate.f_bits, crest) if crest else None
+        picture[rows] = bilinear(corner_colours(window, x0, y0, geometry), fx, fy,
+                                 coordinate.f_bits, geometry.interpolation.unit_bits, added)
         origins[:, rows], valid[rows] = (x0, y0), not_blank
         progress(rows.stop, height)
     picture[~valid] = geometry.fill

@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from ncdc_spec.interpolation import FAST
+from ncdc_model.golden.directional import directional_colours
+from ncdc_spec.interpolation import DIRECTIONAL, FAST, GRADIENT
 
 __all__ = ["bayer_quads", "bilinear", "corner_colours", "fetches", "gradient_colours",
            "grey_corners", "raw_windows", "window_address"]
@@ -26,6 +27,7 @@ _CHROMA_AT_CHROMA = np.array([[0, 0, -3, 0, 0],         # blue at a red sample, 
                               [-3, 0, 12, 0, -3],
                               [0, 4, 0, 4, 0],
                               [0, 0, -3, 0, 0]])
+_CREST_BITS = 6
 _OWN = np.zeros((5, 5), np.int64)
 _OWN[2, 2] = 16
 
@@ -121,6 +123,9 @@ def grey_corners(window):
     return np.repeat(16 * middle[:, :, None], 3, axis=2)
 
 
+_DECODERS = {FAST: bayer_quads, GRADIENT: gradient_colours, DIRECTIONAL: directional_colours}
+
+
 def raw_windows(raw, interpolation):
     """The windows of a raw frame (height, width), indexed by their first corner.
 
@@ -133,22 +138,27 @@ def raw_windows(raw, interpolation):
 
 def corner_colours(window, x0, y0, geometry):
     """Colours of the four corners of each raw ``window``, by the sensor and the interpolation of
-    ``geometry``: see ``bayer_quads``, ``gradient_colours`` and ``grey_corners``."""
+    ``geometry``: see ``bayer_quads``, ``gradient_colours``, ``directional_colours`` and
+    ``grey_corners``."""
     if geometry.mono:
         return grey_corners(window)
-    decode = bayer_quads if geometry.interpolation == FAST else gradient_colours
-    return decode(window, x0, y0, geometry.phase)
+    return _DECODERS[geometry.interpolation](window, x0, y0, geometry.phase)
 
 
-def bilinear(quads, fx, fy, f_bits, unit_bits=FAST.unit_bits):
+def bilinear(quads, fx, fy, f_bits, unit_bits=FAST.unit_bits, crest=None):
     """8-bit colours (..., 3) at (fx, fy) between the four ``quads``, equations (30)-(32).
 
     ``quads``: (2, 2, 3, ...) in units of ``2**-unit_bits``; ``fx``, ``fy``: fractions of
     ``f_bits`` bits. The result is rounded once (half up) and then clamped to 0..255.
+    ``crest``: added to all colours before, in 64ths, see :mod:`ncdc_model.golden.directional`; with
+    it, what is below a 64th is cut off.
     """
     one = 1 << f_bits
     upper, lower = ((one - fx) * quads[j, 0] + fx * quads[j, 1] for j in range(2))
     total = (one - fy) * upper + fy * lower
     shift = 2 * f_bits + unit_bits
-    rounded = (total + (1 << (shift - 1))) >> shift
+    if crest is None:
+        rounded = total + (1 << shift - 1) >> shift
+    else:
+        rounded = (total >> shift - _CREST_BITS) + crest + (1 << _CREST_BITS - 1) >> _CREST_BITS
     return np.moveaxis(np.clip(rounded, 0, 255), 0, -1).astype(np.uint8)

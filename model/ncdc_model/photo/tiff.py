@@ -5,11 +5,11 @@ from io import BytesIO
 import numpy as np
 from tifffile import PHOTOMETRIC, TiffFile
 
-from ncdc_model.needs import pip_line
 from ncdc_model.photo.camera_raw import UnknownRaw, read_camera_raw
 from ncdc_model.photo.photo import Photo
 from ncdc_model.samples import eight_bits
 from ncdc_spec.errors import InputError
+from ncdc_spec.needs import pip_line
 
 __all__ = ["read_tiff"]
 

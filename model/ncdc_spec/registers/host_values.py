@@ -10,6 +10,7 @@ from ncdc_spec.frames import (
     target_bytes,
 )
 from ncdc_spec.hardware import Hardware
+from ncdc_spec.interpolation import check_crest
 from ncdc_spec.registers.register_map import BAYER_MONO, TABLE, network_registers
 
 __all__ = ["colour_values", "host_values", "network_values", "place_values", "table_words"]
@@ -58,15 +59,16 @@ def host_values(descriptor, hardware=Hardware(), places=None, follow=False, colo
     follow : bool
         Whether the corrector begins before the raw frame is complete.
     colour : Colour
-        Gains and tone curve, where the hardware has registers for them.
+        Crest; gains and tone curve, where the hardware has registers for them.
 
     Raises
     ------
     InputError
-        If the format would lose the camera's colours.
+        If the format would lose the camera's colours, or the interpolation has no crest.
     """
     g, form = descriptor.geometry, output_format(hardware.format)
     check_format(form, g)
+    check_crest(colour.crest, g.interpolation)
     places = places or FramePlaces.after_reset(g, hardware.data_width)
     origin_x, step_x, origin_y, step_y = g.scan()
     red, green, blue = g.fill
@@ -82,6 +84,7 @@ def host_values(descriptor, hardware=Hardware(), places=None, follow=False, colo
         "BAYER_PHASE": BAYER_MONO if g.mono else g.phase[0] | g.phase[1] << 1,
         "FILL": red << 16 | green << 8 | blue,
         "CACHE_SPLIT": hardware.split_for(g), "STRIP_WIDTH": hardware.strip, "FOLLOW": int(follow),
+        "CREST": colour.crest,
         **(colour_values(colour) if hardware.colour else {}),
     }
 

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 from ncdc_spec.frames import ADDRESS_BITS, MONO8, OUTPUT_FORMATS
 from ncdc_spec.geometry import MAX_SIZE, MIN_SIZE, SCAN, STRIP_UNIT
-from ncdc_spec.interpolation import FAST, GRADIENT
+from ncdc_spec.interpolation import CRESTS, DIRECTIONAL, FAST, GRADIENT
 from ncdc_spec.tone import NODE_BITS, NODE_POSITIONS
 from ncdc_spec.white_balance import GAIN_BITS
 
@@ -32,7 +32,7 @@ COLOUR_SETTINGS = ("GAIN_RED", "GAIN_GREEN", "GAIN_BLUE",
 
 # Registers of the set that do not depend on the lens: DIGEST does not include them.
 OUTSIDE_DIGEST = ("VALID_BANK", "SOURCE_BASE", "SOURCE_LIMIT", "SOURCE_PITCH", "TARGET_BASE",
-                  "TARGET_LIMIT", "OUTPUT_FORMAT", "FOLLOW", "CACHE_SPLIT", "STRIP_WIDTH",
+                  "TARGET_LIMIT", "OUTPUT_FORMAT", "CREST", "FOLLOW", "CACHE_SPLIT", "STRIP_WIDTH",
                   *COLOUR_SETTINGS)
 
 CTRL_START, CTRL_COMMIT, CTRL_ABORT = 1, 2, 4
@@ -41,7 +41,8 @@ STATUS_COMMITTED, STATUS_REFUSED, STATUS_BANK, STATUS_ABORTED = 8, 16, 32, 64
 STATUS_FAULT = 128
 CAPABILITIES = 0x25
 BAYER_MONO = 4            # of BAYER_PHASE
-INTERPOLATION_BITS = {FAST.name: 0x400, GRADIENT.name: 0x800}       # of CAPABILITIES
+# Of CAPABILITIES.
+INTERPOLATION_BITS = {FAST.name: 0x400, GRADIENT.name: 0x800, DIRECTIONAL.name: 0x200000}
 FAULT_SOURCE, FAULT_TARGET, FAULT_ALIGNMENT, FAULT_SIZE, FAULT_FORMAT = 1, 2, 4, 8, 16
 FAULT_MEMORY = 32
 
@@ -254,6 +255,8 @@ _FIXED = (
             Flag("FAST", INTERPOLATION_BITS[FAST.name], "ro", "1: it has the fast interpolation"),
             Flag("GRADIENT", INTERPOLATION_BITS[GRADIENT.name], "ro",
                  "1: it has the gradient-corrected interpolation, and that of grey sensors"),
+            Flag("DIRECTIONAL", INTERPOLATION_BITS[DIRECTIONAL.name], "ro",
+                 "1: it has the directional interpolation, and that of grey sensors"),
             Flag("LANES", 0x7000, "ro", "pixels per clock"),
             Flag("COLOUR", 0x8000, "ro", "1: it has gains, a tone curve and sums of the colours"),
             Flag("WORD", 0x1F0000, "ro", "bytes of a memory word"),
@@ -268,6 +271,9 @@ _FIXED = (
              "Bytes of a pixel in memory, pixels and rows without a gap. "
              + "; ".join(f"{one.code} {one.name}: {one.text}" for one in OUTPUT_FORMATS.values())
              + ". A stream takes no notice."),
+    Register("CREST", 0x29, "shadow", Bits(2),
+             "Directional interpolation: what is added where bilinear blending cuts off crests; "
+             + ", ".join(f"{value} {name}" for name, value in CRESTS.items()) + "."),
 )
 NODES = 0x30
 _NODES = Register("NODES", NODES, "ro", Bits(6),

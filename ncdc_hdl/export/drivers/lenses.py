@@ -17,7 +17,7 @@ __all__ = ["Lens", "check_lens", "lens_name", "lenses_of"]
 # Registers that the host sets: addresses of frames, the bank of valid rows, early start,
 # colour.
 _HOST = ("SOURCE_BASE", "SOURCE_LIMIT", "TARGET_BASE", "TARGET_LIMIT", "VALID_BANK", "FOLLOW",
-         *COLOUR_SETTINGS)
+         "CREST", *COLOUR_SETTINGS)
 
 
 @dataclass(frozen=True)

@@ -2,7 +2,7 @@
 
 from ncdc_model.golden.tone import tone_named
 from ncdc_spec.frames import SOURCE_BEYOND
-from ncdc_spec.registers.register_map import ID, TABLE, VERSION, counters
+from ncdc_spec.registers.register_map import ID, INTERPOLATION_BITS, TABLE, VERSION, counters
 from ncdc_spec.tone import COMMON_TONES
 
 __all__ = ["python_lenses", "python_registers"]
@@ -17,6 +17,8 @@ def python_registers(table):
               f"COUNTERS = {tuple(r.name for r in counters(table))!r}", "", f"ID_VALUE = 0x{ID:X}",
               f"VERSION = {VERSION}", f"SOURCE_BEYOND = {SOURCE_BEYOND}"]
     lines += [f"{r.name}_{flag.name} = 0x{flag.mask:X}" for r in table for flag in r.flags]
+    lines += ["", "# Flags of CAPABILITIES.", "INTERPOLATIONS = {",
+              *(f'    "{name}": 0x{mask:X},' for name, mask in INTERPOLATION_BITS.items()), "}"]
     if any(r.name == "TONE0" for r in table):
         lines += ["", "# Nodes of tone curves, for ncdc_driver.Corrector.tone.",
                   "TONES = {"]

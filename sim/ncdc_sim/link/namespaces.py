@@ -8,8 +8,8 @@ import os
 import signal
 import subprocess
 
-from ncdc_model.needs import check_programs
 from ncdc_sim.tools import SimulationError
+from ncdc_spec.needs import check_programs
 
 __all__ = ["CLIENT", "DEVICES", "Network", "TAP", "TapNetwork"]
 

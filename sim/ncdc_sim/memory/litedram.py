@@ -11,10 +11,10 @@ import sys
 from dataclasses import dataclass
 from pathlib import Path
 
-from ncdc_model.needs import pip_line
 from ncdc_sim.builds import built, key_of, without_header
 from ncdc_sim.tools import SimulationError, call
 from ncdc_spec.errors import InputError
+from ncdc_spec.needs import pip_line
 
 __all__ = ["LITEDRAM", "LiteDram", "litedram_sources"]
 

@@ -201,7 +201,7 @@ def simulate_correction(descriptor, raw, hardware=Hardware(), *, verilog=None, f
         output_bytes=3 * width * height if hardware.stream else frame_bytes(geometry, form),
         camera=camera, progress=progress, memory=memory, **run)
     stored = np.frombuffer(result.output, np.uint8).reshape(height, width, -1)
-    golden = correct(descriptor, raw, strip=hardware.strip)
+    golden = correct(descriptor, raw, strip=hardware.strip, crest=colour.crest)
     balanced = coloured(golden, colour)
     picture, expected = stored, balanced
     if not hardware.stream:

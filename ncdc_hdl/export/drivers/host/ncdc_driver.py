@@ -42,7 +42,7 @@ class Corrector:
     colour : bool
         It has gains, a tone curve, and sums of the colours.
     interpolations : tuple of str
-        Those of "fast" and "gradient" that it has.
+        Names of the interpolations that it has, such as "fast".
     largest : (int, int)
         Width and height of the largest corrected image.
     """
@@ -59,8 +59,8 @@ class Corrector:
                                             registers.CAPABILITIES_WORD))
         self.stream = bool(word & registers.CAPABILITIES_STREAM)
         self.colour = bool(word & registers.CAPABILITIES_COLOUR)
-        self.interpolations = tuple(name for name in ("fast", "gradient")
-                                    if word & getattr(registers, f"CAPABILITIES_{name.upper()}"))
+        self.interpolations = tuple(name for name, mask in registers.INTERPOLATIONS.items()
+                                    if word & mask)
         word = self.get("LARGEST")
         self.largest = tuple(_field(word, mask) for mask in (registers.LARGEST_WIDTH,
                                                              registers.LARGEST_HEIGHT))

@@ -1,0 +1,192 @@
+"""The decoders of 6x6 windows and their bilinear interpolator, compared with the golden model."""
+
+import numpy as np
+import pytest
+
+from ncdc_hdl.backend.bilinear import Bilinear
+from ncdc_hdl.backend.directional import Crest, Direction, DirectionalPoints
+from ncdc_hdl.backend.gradient import GradientPoints
+from ncdc_hdl.backend.interpolator import Interpolator
+from ncdc_model.golden.directional import crest_of, directional_colours, twice_direction
+from ncdc_model.golden.picture import bilinear, gradient_colours, grey_corners
+from ncdc_spec.interpolation import DIRECTIONAL, GRADIENT
+from pipelines import get, put, run_bench, run_pipeline
+
+F = 10
+GATEWARE = {GRADIENT: GradientPoints, DIRECTIONAL: DirectionalPoints}
+MODEL = {GRADIENT: gradient_colours, DIRECTIONAL: directional_colours}
+# Largest sums of the weights of one sign, and of the other: what a colour can reach.
+LARGEST = {GRADIENT: (28, 12), DIRECTIONAL: (36, 20)}
+both = pytest.mark.parametrize("needs", GATEWARE, ids=lambda each: each.name)
+
+
+def used(needs, window):
+    """The samples of a window that the interpolation takes."""
+    rows, columns = zip(*needs.samples)
+    return window[rows, columns].tolist()
+
+
+def extremes(column, row):
+    """Windows that drive a kernel of the first place in this phase to both of its ends."""
+    rng = np.random.default_rng(2)
+    windows = rng.integers(0, 256, (150, 6, 6))
+    windows[0], windows[1] = 0, 255
+    for k in range(2, 80):
+        # All samples at either end: what makes a place of some colour largest is among them.
+        windows[k] = 255 * rng.integers(0, 2, (6, 6))
+    basis = np.eye(36, dtype=int).reshape(36, 6, 6)
+    weights = gradient_colours(basis, 0, 0, (column, row)).reshape(12, 6, 6)
+    return np.concatenate([windows, 255 * (weights > 0), 255 * (weights < 0)])
+
+
+def test_the_direction_equals_model():
+    rng = np.random.default_rng(8)
+    windows = rng.integers(0, 256, (400, 6, 6))
+    windows[:100] = 255 * rng.integers(0, 2, (100, 6, 6))
+    windows[100:250] = windows[100:250, :1] + rng.integers(-8, 9, (150, 6, 6))     # along columns
+    windows[250:] = windows[250:].swapaxes(1, 2)
+    windows = windows.clip(0, 255)
+    dut = Direction()
+    got = run_pipeline(dut, list(windows), lambda ctx, window: ctx.set(
+        dut.samples, used(DIRECTIONAL, window)), lambda: [dut.o.whole, dut.o.half, dut.o.minus])
+    twice = [(2 * whole + half) * (-1 if minus else 1) for whole, half, minus in got]
+    np.testing.assert_array_equal(twice, twice_direction(windows))
+    assert set(twice) == {-2, -1, 0, 1, 2}
+
+
+@both
+@pytest.mark.parametrize("column", range(2))
+@pytest.mark.parametrize("row", range(2))
+def test_places_equal_model_in_every_phase(needs, column, row):
+    windows = extremes(column, row)
+    dut = GATEWARE[needs]()
+
+    def drive(ctx, window):
+        ctx.set(dut.samples, used(needs, window))
+        ctx.set(dut.red_column, column == 0)
+        ctx.set(dut.red_row, row == 0)
+
+    got = run_pipeline(dut, list(windows), drive,
+                       lambda: [*dut.o, dut.reversed, dut.swapped])
+    places = np.array([each[:12] for each in got]).reshape(-1, 2, 2, 3)
+    for window, place, (*_, turned, swapped) in zip(windows, places, got):
+        for j in range(2):
+            if turned >> j & 1:
+                place[j] = place[j, ::-1].copy()
+        if swapped:
+            place = place[..., ::-1]
+        np.testing.assert_array_equal(place, MODEL[needs](window, 0, 0, (column, row)))
+    high, low = LARGEST[needs]
+    assert places.max() <= high * 255 and places.min() >= -low * 255
+    # The direction follows the samples: not all weights of a sign meet the extremes at once.
+    assert needs == DIRECTIONAL or (places.max(), places.min()) == (high * 255, -low * 255)
+
+
+@both
+def test_green_of_a_grey_sensor_is_each_sample_wherever_it_lies(needs):
+    windows = extremes(0, 0)
+    for parity in range(4):
+        dut = GATEWARE[needs]()
+
+        def drive(ctx, window):
+            ctx.set(dut.samples, used(needs, window))
+            ctx.set(dut.red_column, parity & 1)
+            ctx.set(dut.red_row, parity >> 1)
+            ctx.set(dut.mono, 1)
+
+        got = run_pipeline(dut, list(windows), drive, lambda: [*dut.o, dut.reversed])
+        for window, (*places, turned) in zip(windows, got):
+            green = np.array(places).reshape(2, 2, 3)[..., 1]
+            for j in range(2):
+                if turned >> j & 1:
+                    green[j] = green[j, ::-1].copy()
+            np.testing.assert_array_equal(green, grey_corners(window)[:, :, 1])
+
+
+@both
+def test_bilinear_equals_model_and_clamps(needs):
+    rng = np.random.default_rng(3)
+    high, low = (255 * sign for sign in LARGEST[needs])
+    places = rng.integers(-low, high + 1, (2, 2, 3, 400))
+    places[..., 0], places[..., 1] = high, -low
+    places[:, 0, :, 2], places[:, 1, :, 2] = -low, high
+    places[0, :, :, 3], places[1, :, :, 3] = -low, high
+    fractions = rng.integers(0, 1 << F, (400, 2))
+    fractions[:5] = [[0, 0], [0, 0], [1023, 1023], [1023, 0], [0, 1023]]
+    turned = rng.integers(0, 4, 400)
+    dut = Bilinear(F, needs, GATEWARE[needs]().signature.members["o"].shape)
+
+    def drive(ctx, k):
+        shown = places[..., k].copy()
+        for j in range(2):
+            if turned[k] >> j & 1:
+                shown[j] = shown[j, ::-1].copy()
+        ctx.set(dut.i, shown.ravel().tolist())
+        ctx.set(dut.reversed, int(turned[k]))
+        ctx.set(dut.fx, int(fractions[k, 0]))
+        ctx.set(dut.fy, int(fractions[k, 1]))
+        if needs == DIRECTIONAL:
+            ctx.set(dut.crest, 32)      # no crest: the half of the rounding alone
+
+    got = np.array(run_pipeline(dut, list(range(400)), drive, lambda: list(dut.o)))
+    np.testing.assert_array_equal(got, bilinear(places, *fractions.T, F, needs.unit_bits))
+    assert {0, 255} <= set(got.ravel().tolist())
+
+
+@pytest.mark.parametrize("strength", range(3))
+def test_the_crest_equals_model(strength):
+    rng = np.random.default_rng(4)
+    windows, fractions = rng.integers(0, 256, (300, 6, 6)), rng.integers(0, 1 << F, (300, 2))
+    windows[:100] = 255 * rng.integers(0, 2, (100, 6, 6))
+    fractions[:4] = [[0, 1023], [511, 512], [512, 511], [1023, 0]]
+    dut = Crest(F)
+    coarse = windows >> 2
+    bends = [(w[2:4, 1] - w[2:4, 2] - w[2:4, 3] + w[2:4, 4]).sum() for w in coarse]
+    turned = [(w[1, 2:4] - w[2, 2:4] - w[3, 2:4] + w[4, 2:4]).sum() for w in coarse]
+
+    def drive(ctx, k):
+        ctx.set(dut.bend, {"x": int(bends[k]), "y": int(turned[k])})
+        ctx.set(dut.fx, int(fractions[k, 0]))
+        ctx.set(dut.fy, int(fractions[k, 1]))
+        ctx.set(dut.strength, strength)
+
+    got = np.array(run_pipeline(dut, list(range(300)), drive, lambda: [dut.o])).ravel()
+    np.testing.assert_array_equal(got - 32, crest_of(windows, *fractions.T, F, strength))
+    assert bool(strength) == bool((got != 32).any())
+
+
+@pytest.mark.parametrize("needs,gap,stall,mono,crest", [
+    *((needs, gap, stall, mono, 0) for needs in GATEWARE for gap, stall, mono in
+      ((0, 0, False), (.3, .7, False), (.3, .7, True))),
+    (DIRECTIONAL, 0, 0, False, 1), (DIRECTIONAL, .3, .7, False, 2), (DIRECTIONAL, .3, .3, True, 1)])
+def test_stream_equals_model(needs, gap, stall, mono, crest):
+    rng = np.random.default_rng(6)
+    count = 200
+    windows, fractions = rng.integers(0, 256, (count, 6, 6)), rng.integers(0, 1024, (count, 2))
+    origins, blank = rng.integers(0, 2, (count, 2)), rng.random(count) < .2
+    fill, phase = 0x123456, (1, 0)
+    items = [{"samples": used(needs, windows[k]), "odd_column": int(origins[k, 0]),
+              "odd_row": int(origins[k, 1]), "fx": int(fractions[k, 0]),
+              "fy": int(fractions[k, 1]), "blank": int(blank[k]), "first": k == 0,
+              "last": k == count - 1} for k in range(count)]
+    dut, got = Interpolator(F, interpolation=needs), []
+
+    async def source(ctx):
+        ctx.set(dut.phase, phase[0] | phase[1] << 1)
+        ctx.set(dut.fill, fill)
+        ctx.set(dut.mono, mono)
+        if needs == DIRECTIONAL:
+            ctx.set(dut.crest, crest)
+        await put(ctx, dut.i, items, lambda: rng.random() < gap)
+
+    async def sink(ctx):
+        got.extend(await get(ctx, dut.o, count, lambda: rng.random() < stall))
+
+    run_bench(dut, source, sink)
+    places = grey_corners(windows) if mono else MODEL[needs](windows, *origins.T, phase)
+    expected = bilinear(places, *fractions.T, F, needs.unit_bits,
+                        crest_of(windows, *fractions.T, F, crest))
+    expected[blank] = [0x12, 0x34, 0x56]
+    np.testing.assert_array_equal([[p.r, p.g, p.b] for p in got], expected)
+    assert [k for k, p in enumerate(got) if p.first] == [0]
+    assert [k for k, p in enumerate(got) if p.last] == [count - 1]
