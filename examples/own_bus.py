@@ -18,8 +18,7 @@ from ncdc_spec.descriptor import Descriptor
 from ncdc_spec.hardware import Hardware
 from ncdc_spec.registers.register_map import CTRL_START
 
-WORD = 4        # bytes of a memory word
-CTRL = 3        # word address of a register, see docs/reference/registers.md
+WORD, CTRL = 4, 3       # bytes of a memory word; word address of a register
 
 
 class MyCorrector(wiring.Component):

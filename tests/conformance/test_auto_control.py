@@ -124,7 +124,8 @@ class Emulated:
 
     def table_write(self, address, value):
         """Write a word of Table I; the word as read back."""
-        return self._device.table._write(address, value)
+        self._device.table.write(address, value)
+        return self._device.table.read(None, address)
 
     def corrector(self, register):
         """A register of the corrector, by its name."""

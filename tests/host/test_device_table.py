@@ -370,6 +370,6 @@ def test_a_hostile_device_at_length():
 
 
 def test_the_old_name_of_rejected_warns():
-    with pytest.warns(DeprecationWarning, match="Rejected is called Rejected now"):
-        from ncdc_host.client import Rejected
-    assert Rejected is Rejected
+    with pytest.warns(DeprecationWarning, match="Refused is called Rejected now"):
+        from ncdc_host.client import Refused
+    assert Refused is Rejected

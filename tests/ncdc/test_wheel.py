@@ -40,7 +40,7 @@ def forgotten(patterns):
 
 
 def test_every_file_of_a_package_is_in_the_wheel():
-    assert len(packages()) == 7
+    assert len(packages()) == 9
     assert forgotten(PROJECT["package-data"]) == []
 
 
