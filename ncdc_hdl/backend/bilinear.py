@@ -116,23 +116,26 @@ class Bilinear(wiring.Component):
             upper = lerp(f"u{colour}", q00, q01, rows[0])
             lower = lerp(f"l{colour}", q10, q11, rows[1])
             # Cycles 6 to 11: interpolate between the rows.
-            shift = 2 * self.f_bits + self.unit_bits
-            total = lerp(f"v{colour}", upper, lower, fy, cut=True)
-            # Cycle 12: round. Adding a half carries exactly if the highest bit dropped is set.
-            whole = total[shift:]
-            if not self.colour.signed:
-                m.d.sync += self.o[colour].eq(whole + total[shift - 1])
-                continue
-            if self.crested:
-                rounded = register(f"r{colour}",
-                                   total[shift - _CREST_BITS:].as_signed() + self.crest)
-                rounded = rounded >> _CREST_BITS
-            else:
-                rounded = register(f"r{colour}", whole.as_signed() + total[shift - 1])
-            # Cycle 13: clamp.
-            m.d.sync += self.o[colour].eq(
-                Mux(rounded < 0, 0, rounded[:8] | (rounded > 255).replicate(8)))
+            self._rounded(m, colour, lerp(f"v{colour}", upper, lower, fy, cut=True))
         return m
+
+    def _rounded(self, m, colour, total):
+        """The sum ``total`` of both steps as the output of a ``colour``."""
+        register = partial(pipeline.register, m)
+        shift = 2 * self.f_bits + self.unit_bits
+        # Cycle 12: round. Adding a half carries exactly if the highest bit dropped is set.
+        whole, half = total[shift:], total[shift - 1]
+        if not self.colour.signed:
+            m.d.sync += self.o[colour].eq(whole + half)
+            return
+        if self.crested:
+            finer = total[shift - _CREST_BITS:].as_signed()
+            rounded = register(f"r{colour}", finer + self.crest) >> _CREST_BITS
+        else:
+            rounded = register(f"r{colour}", whole.as_signed() + half)
+        # Cycle 13: clamp.
+        m.d.sync += self.o[colour].eq(
+            Mux(rounded < 0, 0, rounded[:8] | (rounded > 255).replicate(8)))
 
     @staticmethod
     def _added(m, name, high, fraction, minus):
