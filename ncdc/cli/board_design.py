@@ -36,7 +36,7 @@ def board_named(name):
     return board
 
 
-def designed(board, named, *, sensor=None, mode=None, fixed=Fixed(None, None, None), lanes=1,
+def designed(board, named, *, sensor=None, mode=None, fixed=Fixed(None, None, None), hardware=None,
              settings=None, processor=False):
     """A board's design, its sensor and crop, the memory's budget, a line on the tile cache.
 
@@ -48,8 +48,8 @@ def designed(board, named, *, sensor=None, mode=None, fixed=Fixed(None, None, No
         Names. Defaults: the D5M's sensor, and the smallest mode that holds the picture.
     fixed : Fixed
         Settings of the tile cache that are fixed.
-    lanes : int
-        Pixels per clock.
+    hardware : Hardware, optional
+        As of :func:`hardware_for`, its default.
     settings : dict, optional
         ``exposure_us``, ``pixel_clock_hz`` and ``field`` of the sensor. Defaults: 10 ms, its clock
         undivided, the largest field that fits.
@@ -68,8 +68,9 @@ def designed(board, named, *, sensor=None, mode=None, fixed=Fixed(None, None, No
     board.clock_plan(wanted, board.core_mhz)
     sensor_crop = sensor_for(sensor or _BAYER_SENSOR, geometry,
                         **{"exposure_us": 10_000.0, "field": FULL} | (settings or {}))
-    check_lanes(board, hardware_for(board), lanes)
-    hardware, line = planned(hardware_for(board, lanes), fixed, named[0][1])
+    hardware = hardware or hardware_for(board)
+    check_lanes(board, hardware_for(board), hardware.lanes)
+    hardware, line = planned(hardware, fixed, named[0][1])
     design = design_of(board, named, sensor_crop, wanted, hardware=hardware,
                        processor=processor or not board.screen)
     return design, sensor_crop, check_memory(design, sensor_crop[0]), line

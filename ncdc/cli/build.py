@@ -19,6 +19,7 @@ from ncdc.toolchain.bitstream import (
     synthesise_board,
 )
 from ncdc.toolchain.flows import SynthesisError, check_tools
+from ncdc_boards.camera_board.design import hardware_for
 from ncdc_boards.catalogue import board as board_of
 from ncdc_boards.ecp5.build import clock_cells, prepared
 from ncdc_boards.ecp5.build import project_name as ecp5_name
@@ -57,6 +58,9 @@ def add_arguments(parser) -> None:
     parser.add_argument("--system", action="store_true",
                         help="with a processor and its Ethernet: pictures and settings over the "
                              "network as well (de2-115; colorlight-i9 always has it)")
+    parser.add_argument("--colour", action="store_true",
+                        help="gains and a tone curve, and with a processor automatic white "
+                             "balance; not for de10-nano")
     parser.add_argument("--address", default="0.0.0.0", metavar="IPV4",
                         help="of the processor (default: asked of DHCP, or link-local)")
     parser.add_argument("--mac", metavar="XX:XX:XX:XX:XX:XX",
@@ -82,6 +86,8 @@ def run(args) -> None:
     if isinstance(board, HpsBoard):
         if args.system:
             raise InputError(f"the {board.name} has a processor of its own, --system is not for it")
+        if args.colour:
+            raise InputError(f"--colour is not supported on the {board.name}")
         build_hps(args, board, named, output)
         return
     if board.tools == "quartus":
@@ -169,6 +175,7 @@ def _design(args, board, named):
     fit."""
     design, sensor, budget, _ = designed(
         board, named, sensor=args.sensor, mode=args.mode, processor=args.system,
+        hardware=hardware_for(board, colour=args.colour),
         settings={"exposure_us": args.exposure_us, "field": field_of(args),
                   "pixel_clock_hz": round(args.pixel_clock_mhz * 1e6)})
     return design, sensor, budget

@@ -4,6 +4,7 @@ from ncdc.cli.board_design import board_named, designed, print_rates, rates
 from ncdc.cli.common import write_report
 from ncdc.cli.field import field_lines, field_of, field_report
 from ncdc.cli.hardware import fixed_of
+from ncdc_boards.camera_board.design import hardware_for
 from ncdc_spec.errors import InputError
 from ncdc_spec.registers.system_values import memory_bytes
 
@@ -23,8 +24,8 @@ def plan_board(args, descriptor):
     board = board_named(args.board)
     design, (setup, crop), budget, line = designed(
         board, [(args.descriptor, descriptor)], sensor=args.camera, mode=args.mode,
-        fixed=fixed_of(args), lanes=args.pixels_per_clock, processor=args.system,
-        settings={"field": field_of(args)})
+        fixed=fixed_of(args), hardware=hardware_for(board, args.pixels_per_clock),
+        processor=args.system, settings={"field": field_of(args)})
     if args.rate and budget.corrected_per_second < args.rate:
         raise InputError(
             f"{budget.corrected_per_second:.1f} frames per second are corrected on {board.name} "

@@ -3,6 +3,7 @@
 import signal
 import sys
 import tempfile
+from dataclasses import replace
 
 import numpy as np
 
@@ -35,6 +36,8 @@ def add_arguments(parser) -> None:
                             help="of the sensor at first, in microseconds; then the light is as in "
                                  "the photo (default: 1000)")
         add_field(action)
+        action.add_argument("--colour", action="store_true",
+                            help="gains of the colours and automatic white balance")
         if name == "build":
             add_json(action)
             continue
@@ -65,8 +68,9 @@ def run(args) -> int | None:
 
 
 def _model(args, descriptor, raw):
-    from ncdc_sim.system.soc import SocModel  # LiteX is of the extra [soc]
-    return SocModel(descriptor, raw, args.exposure_us, field=field_of(args))
+    from ncdc_sim.system.soc import HARDWARE, SocModel  # LiteX is of the extra [soc]
+    hardware = replace(HARDWARE, colour=args.colour)
+    return SocModel(descriptor, raw, args.exposure_us, hardware, field=field_of(args))
 
 
 def _build(args, descriptor):

@@ -194,7 +194,18 @@ def test_the_users_file_is_never_written_again(whole, capsys):
     assert {path.name: path.read_bytes() for path in whole.iterdir()} == before
 
 
+def test_colour_adds_its_registers(tmp_path, monkeypatch):
+    monkeypatch.setattr(verilog, "_convert_rtlil_text", lambda text, **other: "// none\n")
+    small().save(tmp_path / "net.toml")
+    for options in ([], ["--colour"]):
+        output = tmp_path / f"project{len(options)}"
+        assert main(["build", str(tmp_path / "net.toml"), "--board", "de1-soc", "-o", str(output),
+                     *options]) == 0
+        assert ("GAIN_RED" in (output / "ncdc_registers.py").read_text()) == bool(options)
+
+
 @pytest.mark.parametrize("size,options,said", [
+    ((64, 24), ["--board", "de10-nano", "--colour"], "--colour is not supported on the de10-nano"),
     ((1024, 768), ["--board", "de1-soc"], "needs 99 % of the clocks of the memory of de1-soc"),
     ((1920, 1080), ["--board", "de2-115"], "pixel clock of 148.3 MHz, the board's converter takes "
      "140 MHz at most"),

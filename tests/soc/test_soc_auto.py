@@ -1,5 +1,7 @@
 """Automatic exposure and white balance of the whole system in simulation, by Debian's Aravis."""
 
+from dataclasses import replace
+
 import cv2
 import numpy as np
 import pytest
@@ -8,9 +10,8 @@ from cameras import barrel_descriptor
 from ncdc_host.device.auto_control import level_of
 from ncdc_model.golden.colour import ColourSums, coloured
 from ncdc_model.images import mosaic
-from ncdc_sim.system.soc import SocModel, SocRun
+from ncdc_sim.system.soc import HARDWARE, SocModel, SocRun
 from ncdc_spec.colour import Colour
-from ncdc_spec.hardware import Hardware
 from ncdc_spec.protocols.auto_control import BALANCE_BAND, BAND, TARGET
 from ncdc_spec.white_balance import UNITY, grey_world
 from peers import need
@@ -48,7 +49,7 @@ def test_a_dark_tinted_scene(tmp_path):
     scene = cv2.GaussianBlur(noise, (0, 0), 1.0) * (0.6, 1.0, 0.8)
     descriptor = barrel_descriptor(corrected=SIZE, distorted=SIZE)
     model = SocModel(descriptor, mosaic(scene.astype(np.uint8), descriptor.geometry.bayer),
-                     hardware=Hardware(bus="axi", format="BGR8", colour=True))
+                     hardware=replace(HARDWARE, colour=True))
     with SocRun(model) as run:
         counts, exposure, line_ns, ratios = peer(run, _SETTLE, tmp_path, 30.0)
     assert max(counts) < 40 and exposure > 60

@@ -23,10 +23,11 @@ _SENSOR_CLOCK_HZ = 25_000_000
 READER_OF_HOST = 0      # for a host at the serial port; the processor's readers come after it
 
 
-def hardware_for(board, lanes=1):
-    """The :class:`Hardware` that suits a board, before configuration; ``lanes`` pixels a clock."""
+def hardware_for(board, lanes=1, colour=False):
+    """The :class:`Hardware` that suits a board, before configuration; ``lanes`` pixels a clock,
+    with gains, tone curve and sums if ``colour``."""
     return Hardware(data_width=_DATA_WIDTH, format=BGR8.name, lanes=lanes,
-                    multiplier_bits=board.multiplier_bits)
+                    multiplier_bits=board.multiplier_bits, colour=colour)
 
 
 def sensor_for(name, geometry, *, pixel_clock_hz=0, **settings):

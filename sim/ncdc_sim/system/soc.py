@@ -19,9 +19,10 @@ from ncdc_spec.hardware import Hardware
 from ncdc_spec.sensors.framing import grid_row, setup_around
 from ncdc_spec.sensors.level import levelled
 
-__all__ = ["ADDRESS", "SocModel", "SocRun"]
+__all__ = ["ADDRESS", "HARDWARE", "SocModel", "SocRun"]
 
 ADDRESS = Identity().ip
+HARDWARE = Hardware(bus="axi", format="BGR8")
 _SENSOR = "mt9p031"
 # The sensor's times are so many times shorter, and its bus faster.
 _TIME_SCALE = 1000
@@ -55,12 +56,12 @@ class SocModel:
         Configuration of the sensor.
     """
 
-    def __init__(self, descriptor, raw, exposure_us=100.0, hardware=None, identity=Identity(),
+    def __init__(self, descriptor, raw, exposure_us=100.0, hardware=HARDWARE, identity=Identity(),
                  field=None):
         self.descriptor, self.identity = descriptor, identity
         self._field = field
         self.setup, self._crop = self._set_up(exposure_us)
-        core = SocCore(descriptor, hardware or Hardware(bus="axi", format="BGR8"),
+        core = SocCore(descriptor, hardware,
                        capacity=_QUEUE_BYTES, grid=grid_row(self.setup, self._crop))
         soc = soc_verilog(core)
         self._light = replace(still_raw(self.setup, self._crop, raw),
