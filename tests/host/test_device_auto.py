@@ -12,7 +12,9 @@ from ncdc_host.client.lens import LensLoader
 from ncdc_host.device.auto_control import AutoControl, level_of
 from ncdc_host.device.correction import Correction
 from ncdc_model.example import noise_picture
+from ncdc_model.golden.corrector import correct
 from ncdc_model.images import mosaic
+from ncdc_spec.interpolation import DIRECTIONAL, GRADIENT
 from ncdc_spec.protocols.auto_control import BAND, CONTINUOUS, TARGET, sample_positions
 from ncdc_spec.protocols.gvcp import CORRECTOR_BASE
 from ncdc_spec.registers.register_map import CTRL_COMMIT, registers
@@ -107,23 +109,47 @@ def test_samples_lie_all_over_the_frame():
     assert level_of(raw) == 16 * 100
 
 
+AT = {one.name: CORRECTOR_BASE + 4 * one.address for one in registers(
+    LENS.hidden_neurons, LENS.formats, LENS.nodes, colour=True)}
+
+
+def word(client, name):
+    return int.from_bytes(client.read_memory(AT[name], 4), "big")
+
+
+def commit(client, **values):
+    """Write registers of the corrector, and wait until they are active."""
+    for name, value in {**values, "CTRL": CTRL_COMMIT}.items():
+        client.write_memory(AT[name], value.to_bytes(4, "big"))
+    end = time.monotonic() + 20
+    while word(client, "STATUS") and time.monotonic() < end:
+        time.sleep(0.05)
+
+
+@pytest.mark.parametrize("interpolation,written,active", [
+    (DIRECTIONAL, 1, 1), (DIRECTIONAL, 3, 2), (GRADIENT, 1, 0)])
+def test_a_crest_that_a_client_commits_is_in_the_pictures(interpolation, written, active):
+    lens = small_lens(interpolation=interpolation)
+    with device([lens], tinted()) as served, \
+            open_device(f"gige://{served.options.address}") as client:
+        before = served.camera.newest().data
+        commit(client, CREST=written)
+        assert word(client, "CREST") == active
+        after = served.camera.newest().data
+    assert (bytes(before) == bytes(after)) == (not active)
+    raw = tinted()
+    np.testing.assert_array_equal(Correction(lens)(raw, crest=active),
+                                  correct(lens, raw, crest=active).picture)
+
+
 def test_gains_that_a_client_commits_are_the_ratios():
     """The corrector's registers and the features are one state; a lens does not change it."""
-    at = {one.name: CORRECTOR_BASE + 4 * one.address for one in registers(
-        LENS.hidden_neurons, LENS.formats, LENS.nodes, colour=True)}
-
-    def word(client, name):
-        return int.from_bytes(client.read_memory(at[name], 4), "big")
-
     with device([small_lens()]) as served, \
             open_device(f"gige://{served.options.address}") as client:
-        client.write_memory(at["GAIN_GREEN"], (400).to_bytes(4, "big"))
+        client.write_memory(AT["GAIN_GREEN"], (400).to_bytes(4, "big"))
         client.set("BalanceRatioSelector", "Green")
         assert client.get("BalanceRatio") == 1
-        client.write_memory(at["CTRL"], CTRL_COMMIT.to_bytes(4, "big"))
-        end = time.monotonic() + 20
-        while word(client, "STATUS") and time.monotonic() < end:
-            time.sleep(0.05)
+        commit(client)
         assert client.get("BalanceRatio") == 400 / 256
         client.set("BalanceRatio", 2)
         assert word(client, "GAIN_GREEN") == 512

@@ -131,7 +131,7 @@ def test_a_rotated_lens_brings_the_split_that_suits_it():
 
 @pytest.mark.parametrize("other,message", [
     (barrel_descriptor((20, 16), (24, 18), hidden_neurons=4),
-     "hidden neurons 4 does not fit a corrector made for 3"),
+     "the lens has 4 hidden neurons, the hardware has 3"),
     (barrel_descriptor((20, 16), (24, 18), hidden_neurons=3, interpolation=GRADIENT),
      "interpolation gradient does not fit a corrector made for fast"),
     (barrel_descriptor((20, 17), (24, 18), hidden_neurons=3),

@@ -75,40 +75,6 @@ int main(void)
     assert done.stdout == "1 0 1"
 
 
-OTHER_INTERPOLATION = """#include <stdio.h>
-#include "ncdc_lenses.h"
-static uint32_t bus[1 << 14], writes;
-static uint32_t get(void *context, uint32_t offset) { (void)context; return bus[offset / 4]; }
-static void put(void *context, uint32_t offset, uint32_t value)
-{
-    (void)context, (void)offset, (void)value;
-    ++writes;
-}
-int main(void)
-{
-    struct ncdc device = {get, put, 0};
-    uint32_t known = NCDC_VERSION | 1u << 12;
-    enum ncdc_result other;
-
-    bus[NCDC_NEURONS / 4] = 3, bus[NCDC_LARGEST / 4] = 20u << 16 | 31u;
-    bus[NCDC_CAPABILITIES / 4] = known | NCDC_CAPABILITIES_GRADIENT;
-    other = ncdc_load(&device, &ncdc_lens_wide);
-    printf("%d %u ", other == NCDC_ERROR_INTERPOLATION, (unsigned)writes);
-    bus[NCDC_CAPABILITIES / 4] = known | NCDC_CAPABILITIES_FAST;
-    other = ncdc_load(&device, &ncdc_lens_wide);
-    printf("%d %d", other, writes > 0);
-    return 0;
-}
-"""
-
-
-def test_the_c_driver_refuses_a_lens_of_another_interpolation(folder):
-    (folder / "other.c").write_text(OTHER_INTERPOLATION)
-    compile_c(folder, "-o", "other", "other.c", "ncdc.c", "ncdc_lenses.c")
-    done = subprocess.run([folder / "other"], check=True, text=True, stdout=subprocess.PIPE)
-    assert done.stdout == "1 0 0 1"
-
-
 PYTHON_ERRORS = """
 import ncdc_registers as r
 from ncdc_driver import Corrector, CorrectorError
@@ -130,10 +96,6 @@ write = lambda offset, value: written.append((offset, value))
 attempt(Corrector, lambda offset: 0xDEAD, write)
 corrector = Corrector(read, write)
 attempt(corrector.wait, 2)
-attempt(corrector.load, LENSES["wide"] | {"neurons": 5})
-attempt(corrector.load, LENSES["wide"] | {"interpolation": "gradient"})
-attempt(corrector.load, LENSES["wide"] | {"width": 32})
-attempt(corrector.load, LENSES["wide"] | {"width": 21})
 wide = LENSES["wide"]
 source, target = (8, wide["source_bytes"]), (1 << 20, wide["target_bytes"])
 attempt(corrector.place, wide, (12, 9999), target)
@@ -175,10 +137,6 @@ def test_python_driver_names_errors(folder):
     assert done.stdout.splitlines() == [
         "0 ID reads 0x0000dead, 0x4e434443 is needed",
         "0 no frame is complete after 2 polls",
-        "0 the lens has 5 hidden neurons, the corrector 3",
-        "0 the lens is for the interpolation gradient, the corrector has fast",
-        "0 the lens makes 32x16 pixels, the corrector up to 31x20 in rows that are a multiple of 2",
-        "0 the lens makes 21x16 pixels, the corrector up to 31x20 in rows that are a multiple of 2",
         "0 the source is at 0xc, a multiple of 8 below 4 GB is needed",
         f"0 the target has 8 bytes, the lens needs {4 * 20 * 16}",
         "0 the source is at 0x8, a multiple of 8 below 4 GB is needed",

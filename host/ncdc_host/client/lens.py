@@ -5,6 +5,7 @@ import time
 from dataclasses import dataclass
 
 from ncdc_host.client.errors import DeviceError, Rejected
+from ncdc_spec.errors import InputError
 from ncdc_spec.formats import MAX_NEURONS, Formats
 from ncdc_spec.geometry import BAYER_PHASE, MONO
 from ncdc_spec.protocols.gvcp import CORRECTOR_BASE
@@ -88,9 +89,6 @@ class LensLoader:
         if self._read(table["ID"].address) != ID:
             raise DeviceError(f"{self._device.url} has no corrector")
         neurons = self._read(table["NEURONS"].address)
-        if descriptor.hidden_neurons > neurons:
-            raise Rejected(f"the lens has {descriptor.hidden_neurons} hidden neurons, the device "
-                          f"has {neurons}")
         if descriptor.nodes != self._nodes():
             raise Rejected(f"the lens has nodes {descriptor.nodes} pixels apart, the device "
                           f"{self._nodes()}")
@@ -98,13 +96,15 @@ class LensLoader:
         if interpolation != own:
             raise Rejected(f"the lens is for the interpolation {interpolation}, the device has "
                           f"{own}")
-        values = host_values(descriptor)
+        try:
+            values = host_values(descriptor, neurons=neurons)
+        except InputError as error:
+            raise Rejected(str(error)) from error
         for name in _FIXED:
             present = self._read(table[name].address)
             if present != values[name]:
                 raise Rejected(f"the lens has {name} {values[name]}, the device has {present}")
-        # Neurons that the lens does without have no weight.
-        words = {r.address: values.get(r.name, 0) & 0xFFFFFFFF
+        words = {r.address: values[r.name] & 0xFFFFFFFF
                  for r in network_registers(neurons, descriptor.formats)}
         words |= dict(table_words(descriptor.valid))
         # A running frame holds the bank of valid rows that it uses: the other one is written.

@@ -202,7 +202,7 @@ def picture_of(raw, settings, correction):
     if view.pixel_format.raw:
         raw = raw[view.y:view.y + view.height, view.x:view.x + view.width]
     else:
-        corrected = Corrected(correction(raw), correction.blank, fetches=0)
+        corrected = Corrected(correction(raw, settings.colour.crest), correction.blank, fetches=0)
         sums = _sums(corrected, correction.descriptor.geometry.fill)
         whole = corrected.picture
         if settings.colour != Colour():

@@ -2,13 +2,15 @@
 
 The colours between the samples depend on the frame alone, and are computed once for each frame.
 Each pixel's address and fractions depend on the lens alone, and are computed once for each lens.
-The sums are exact: the golden model adds the same products in another order.
+The sums are exact: the golden model adds the same products in another order. The directional
+interpolation is no sum of samples with fixed weights: the golden model itself makes its pictures.
 """
 
 import numpy as np
 
-from ncdc_model.golden.corrector import check_raw, window_bands
+from ncdc_model.golden.corrector import check_raw, correct, window_bands
 from ncdc_model.golden.picture import corner_colours
+from ncdc_spec.interpolation import DIRECTIONAL
 
 __all__ = ["Correction"]
 
@@ -32,6 +34,7 @@ class Correction:
     def __init__(self, descriptor):
         self.descriptor = descriptor
         f_bits, geometry = descriptor.formats.coordinate.f_bits, descriptor.geometry
+        self._fixed_weights = geometry.mono or geometry.interpolation != DIRECTIONAL
         self._one, self._shift = 1 << f_bits, 2 * f_bits + geometry.interpolation.unit_bits
         self._kernels = _coefficients(geometry)
         # The largest sum, of samples of 255 where the weights are positive or where they are not.
@@ -46,14 +49,19 @@ class Correction:
                               for k in (2, 3))
         self.blank = ~np.concatenate([band[-1] for band in bands])
 
-    def __call__(self, raw):
+    def __call__(self, raw, crest=0):
         """The corrected picture, uint8 RGB (height, width, 3), of a ``raw`` frame.
+
+        ``crest``: as for :func:`ncdc_model.golden.corrector.correct`.
 
         Raises
         ------
         InputError
-            If the frame is not of the descriptor's distorted size.
+            If the frame is not of the descriptor's distorted size, or the interpolation has no
+            crest.
         """
+        if crest or not self._fixed_weights:
+            return correct(self.descriptor, raw, crest=crest).picture
         geometry = self.descriptor.geometry
         check_raw(raw, geometry)
         colours = self._colours(raw).reshape(-1, 3)

@@ -12,6 +12,7 @@ from ncdc_spec.errors import InputError
 from ncdc_spec.float_network import FloatNetwork
 from ncdc_spec.geometry import ValidRows
 from ncdc_spec.hardware import Hardware
+from ncdc_spec.interpolation import CRESTS, DIRECTIONAL
 from ncdc_spec.registers.host_values import colour_values, host_values, table_words
 from ncdc_spec.registers.register_map import (
     COLOUR_SETTINGS,
@@ -70,6 +71,7 @@ class CorrectorWindow:
             self._colour = settings.colour
             self._words |= {self._map[name].address: value
                             for name, value in colour_values(self._colour).items()}
+            self._words[self._map["CREST"].address] = self._colour.crest
 
     def read(self, address):
         """The word at a word address; 0 where there is none."""
@@ -102,7 +104,7 @@ class CorrectorWindow:
                 raise Rejected("read only")
             if register is None and address < TABLE:
                 raise Rejected("read only")
-            if register is not None and register.name in COLOUR_SETTINGS:
+            if register is not None and register.name in (*COLOUR_SETTINGS, "CREST"):
                 value &= (1 << register.shape.width) - 1
             self._words[address] = value
 
@@ -125,8 +127,11 @@ class CorrectorWindow:
         """The :class:`Colour` of the shadow; raises :class:`InputError` if its tone is no curve."""
         tone = [name for name in COLOUR_SETTINGS if name.startswith("TONE")]
         values = {name: self._words[self._map[name].address] for name in COLOUR_SETTINGS}
+        # As in hardware: 3 counts as 2, and another interpolation has no crest.
+        crest = min(self._words[self._map["CREST"].address], max(CRESTS.values()))
         return Colour(tuple(values[f"GAIN_{name.upper()}"] for name in COLOURS),
-                      tuple(values[name] for name in tone))
+                      tuple(values[name] for name in tone),
+                      crest * (self._base.geometry.interpolation == DIRECTIONAL))
 
     def _checked(self):
         """The descriptor of the shadow."""

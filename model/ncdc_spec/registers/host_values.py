@@ -1,6 +1,7 @@
 """What a host writes to the registers to correct frames of a camera."""
 
 from ncdc_spec.colour import COLOURS, Colour
+from ncdc_spec.errors import InputError
 from ncdc_spec.frames import (
     BGRX8,
     FramePlaces,
@@ -21,13 +22,27 @@ _ARRAYS = {("hidden", "weights"): "hidden_weights", ("hidden", "bias"): "hidden_
            ("output", "skip"): "skip_weights"}
 
 
-def network_values(descriptor):
-    """Register values, by name, of the network of ``descriptor``."""
+def network_values(descriptor, neurons=None):
+    """Register values, by name, of the network of ``descriptor`` in hardware of ``neurons`` hidden
+    neurons, by default its own number.
+
+    Neurons that the network lacks have the weights and the bias 0.
+
+    Raises
+    ------
+    InputError
+        If the network has more neurons than the hardware.
+    """
+    own = descriptor.hidden_neurons
+    if neurons is not None and own > neurons:
+        raise InputError(f"the lens has {own} hidden neurons, the hardware has {neurons}")
     values = {}
-    for register in network_registers(descriptor.hidden_neurons, descriptor.formats):
+    for register in network_registers(neurons or own, descriptor.formats):
         layer, neuron, part, *weight = register.parameter
         array = getattr(descriptor, _ARRAYS[layer, part])
-        values[register.name] = int(array[(neuron, *weight)])
+        # Those of the output layer: its weight of a hidden neuron is numbered last.
+        hidden = neuron if layer == "hidden" else weight[0] if part == "weights" else 0
+        values[register.name] = int(array[(neuron, *weight)]) if hidden < own else 0
     return values
 
 
@@ -46,7 +61,8 @@ def colour_values(colour):
             **{f"TONE{k}": node for k, node in enumerate(colour.tone)}}
 
 
-def host_values(descriptor, hardware=Hardware(), places=None, follow=False, colour=Colour()):
+def host_values(descriptor, hardware=Hardware(), places=None, follow=False, colour=Colour(),
+                neurons=None):
     """Register values, by name, that a host writes to correct frames of ``descriptor``'s camera.
 
     Parameters
@@ -60,11 +76,14 @@ def host_values(descriptor, hardware=Hardware(), places=None, follow=False, colo
         Whether the corrector begins before the raw frame is complete.
     colour : Colour
         Crest; gains and tone curve, where the hardware has registers for them.
+    neurons : int, optional
+        As for :func:`network_values`.
 
     Raises
     ------
     InputError
-        If the format would lose the camera's colours, or the interpolation has no crest.
+        If the format would lose the camera's colours, the interpolation has no crest, or the
+        network has more neurons than the hardware.
     """
     g, form = descriptor.geometry, output_format(hardware.format)
     check_format(form, g)
@@ -73,7 +92,7 @@ def host_values(descriptor, hardware=Hardware(), places=None, follow=False, colo
     origin_x, step_x, origin_y, step_y = g.scan()
     red, green, blue = g.fill
     return {
-        **network_values(descriptor),
+        **network_values(descriptor, neurons),
         "VALID_BANK": 0,
         **place_values(g, hardware.data_width, places, form), "SOURCE_PITCH": places.pitch,
         "OUTPUT_FORMAT": form.code,

@@ -9,7 +9,7 @@ from ncdc_model.planner.plan import best_split
 from ncdc_spec.errors import InputError, reading
 from ncdc_spec.frames import check_format, output_format
 from ncdc_spec.hardware import check_lanes
-from ncdc_spec.registers.host_values import host_values, table_words
+from ncdc_spec.registers.host_values import host_values, network_values, table_words
 from ncdc_spec.registers.register_map import COLOUR_SETTINGS
 
 __all__ = ["Lens", "check_lens", "lens_name", "lenses_of"]
@@ -28,7 +28,7 @@ class Lens:
     ----------
     digest : str
     neurons, width, height : int
-        Hidden neurons; corrected image.
+        Hidden neurons, those of the corrector; corrected image.
     interpolation : str
     source_bytes, target_bytes : int
         Bytes read of a raw frame; bytes of a corrected frame.
@@ -53,10 +53,11 @@ class Lens:
 
         A split for an unrotated lens takes several times the clocks with a rotated one.
         """
-        values = host_values(descriptor, corrector.hardware)
+        neurons = corrector.descriptor.hidden_neurons
+        values = host_values(descriptor, corrector.hardware, neurons=neurons)
         if corrector.hardware.cached and descriptor.digest != corrector.descriptor.digest:
             values["CACHE_SPLIT"] = best_split(descriptor, corrector.hardware)
-        return cls(descriptor.digest, descriptor.hidden_neurons, *descriptor.geometry.corrected,
+        return cls(descriptor.digest, neurons, *descriptor.geometry.corrected,
                    descriptor.geometry.interpolation.name,
                    values["SOURCE_LIMIT"] - values["SOURCE_BASE"],
                    values["TARGET_LIMIT"] - values["TARGET_BASE"],
@@ -75,13 +76,14 @@ def check_lens(corrector, path, descriptor):
     Raises
     ------
     InputError
-        If neurons, formats, tan-sigmoid, interpolation or nodes differ, the nodes' error exceeds
-        the limit, the table of valid rows is too small, the width is no
+        If there are more neurons, if formats, tan-sigmoid, interpolation or nodes differ, the
+        nodes' error exceeds the limit, the table of valid rows is too small, the width is no
         multiple of the pixels per clock, or the corrector's format would lose the lens's colours.
     """
     made_for = corrector.descriptor
+    with reading(path):
+        network_values(descriptor, made_for.hidden_neurons)     # rejects more neurons
     for what, value, needed in (
-            ("hidden neurons", descriptor.hidden_neurons, made_for.hidden_neurons),
             ("tan-sigmoid", descriptor.variant, made_for.variant),
             ("interpolation", descriptor.geometry.interpolation.name,
              made_for.geometry.interpolation.name),

@@ -1,7 +1,7 @@
 """The registers and lenses for System Console."""
 
 from ncdc_spec.frames import output_format
-from ncdc_spec.registers.register_map import ID, TABLE, VERSION, counters
+from ncdc_spec.registers.register_map import ID, INTERPOLATION_BITS, TABLE, VERSION, counters
 
 __all__ = ["tcl_data"]
 
@@ -28,7 +28,8 @@ def tcl_data(table, lenses, form):
     lines += ["}", "variable lenses {"]
     for name, lens in lenses.items():
         lines += [f"    {name} {{", f"        neurons {lens.neurons} width {lens.width} "
-                  f"height {lens.height}",
+                  f"height {lens.height} "
+                  f"interpolation 0x{INTERPOLATION_BITS[lens.interpolation]:x}",
                   f"        raw_width {lens.values['DISTORTED_WIDTH']} "
                   f"raw_height {lens.values['DISTORTED_HEIGHT']} "
                   f"pixel_bytes {output_format(form).pixel_bytes}",

@@ -90,6 +90,15 @@ proc ncdc::load {name} {
     if {[dict get $one neurons] != [get NEURONS]} {
         error "the lens $name has [dict get $one neurons] hidden neurons, the corrector [get NEURONS]"
     }
+    if {!([get CAPABILITIES] & [dict get $one interpolation])} {
+        error "the lens $name is for another interpolation than the corrector's"
+    }
+    if {[dict get $one width] > [field LARGEST WIDTH] || [dict get $one height] > [field LARGEST HEIGHT]
+            || [dict get $one width] % [field CAPABILITIES LANES]} {
+        error "the lens $name makes [dict get $one width]x[dict get $one height] pixels, the corrector\
+            up to [field LARGEST WIDTH]x[field LARGEST HEIGHT] in rows that are a multiple of\
+            [field CAPABILITIES LANES]"
+    }
     free
     set bank [expr {![field STATUS BANK]}]
     dict for {register value} [dict get $one values] {
