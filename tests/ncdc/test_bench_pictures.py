@@ -8,7 +8,10 @@ from cameras import barrel_descriptor
 from ncdc.cli import main
 from ncdc_bench.pictures.measure import FLOWS, Subject, fitted, measure
 from ncdc_bench.pictures.plots import busiest, plot_crops
-from ncdc_model.images import read_image
+from ncdc_bench.pictures.sets import CONDITIONS, on_grid, set_rows
+from ncdc_model.images import read_image, write_image
+from ncdc_spec.errors import InputError
+from ncdc_spec.interpolation import DIRECTIONAL
 
 
 def subject(size=(160, 120)):
@@ -28,6 +31,42 @@ def test_each_flow_has_its_figures_and_gradient_beats_fast():
     assert gradient["psnr_db"] > fast["psnr_db"] + 3
     assert gradient["ssim"] > fast["ssim"] and gradient["false_colour"] < fast["false_colour"]
     assert all(0 < row["ssim"] < 1 for row in rows)
+
+
+def test_a_set_has_a_mean_for_each_flow_and_condition(tmp_path):
+    for k in range(2):
+        write_image(tmp_path / f"{k}.png", np.roll(subject().colour, 7 * k, axis=1))
+    rows = set_rows(tmp_path)
+    flows = {"gradient", "directional", "opencv bilinear", "opencv edge-aware", "opencv vng"}
+    assert len(rows) == len(CONDITIONS) * len(flows)
+    assert all(row["pictures"] == 2 and row["set"] == tmp_path.name for row in rows)
+    found = {(condition, row["flow"]): row["psnr_db"] for condition, row in
+             zip((one for one in CONDITIONS for _ in flows), rows)}
+    plain, *noisy, unbalanced, balanced = CONDITIONS
+    assert found[plain, "directional"] > found[plain, "opencv vng"]
+    for flow in flows:
+        levels = [found[one, flow] for one in (plain, *noisy)]
+        assert levels == sorted(levels, reverse=True)
+        # What white balance before decoding is for: colours differ least where they are equal.
+        assert abs(found[balanced, flow] - found[plain, flow]) < 3
+    assert found[balanced, "directional"] > found[unbalanced, "directional"]
+
+
+def test_colours_at_the_samples_are_those_of_a_corrector_that_moves_nothing():
+    raw = np.random.default_rng(1).integers(0, 256, (12, 14), np.uint8)
+    picture = on_grid(raw, DIRECTIONAL)
+    assert picture.shape == (11, 13, 3)
+    for row, column, colour in ((4, 4, 0), (4, 5, 1), (5, 5, 2)):       # RGGB
+        assert picture[row, column, colour] == raw[row, column]
+
+
+@pytest.mark.parametrize("shape,message", [
+    (None, "has no picture, a folder of"), ((20, 20), "a colour picture of at most")])
+def test_what_is_no_set(tmp_path, shape, message):
+    if shape:
+        write_image(tmp_path / "grey.png", np.zeros(shape, np.uint8))
+    with pytest.raises(InputError, match=message):
+        set_rows(tmp_path)
 
 
 def test_grey_has_no_false_colour_where_it_is_flat():

@@ -9,6 +9,7 @@ from ncdc.cli.common import add_json, write_report
 from ncdc.terminal import Progress, say
 from ncdc_bench.pictures.measure import Subject, fitted, measure
 from ncdc_bench.pictures.plots import plot_crops
+from ncdc_bench.pictures.sets import set_rows
 from ncdc_model.example import BAYER, example_camera, scene_light
 from ncdc_model.images import read_image
 from ncdc_model.training.pipeline import train_camera
@@ -33,6 +34,9 @@ def add_arguments(parser):
                              "always measured")
     parser.add_argument("--neurons", type=int, default=8, metavar="N",
                         help="hidden neurons of the map (default: 8)")
+    parser.add_argument("--set", action="append", default=[], metavar="DIR", dest="sets",
+                        help="also a folder of colour pictures, without the map: means over them, "
+                             "with noise and without white balance too; may be given again")
     parser.add_argument("-o", "--output", metavar="DIR",
                         help="also write each picture before and after, with an enlarged crop "
                              "of every flow")
@@ -60,6 +64,9 @@ def run(args):
             name = subject.name.replace(" ", "-")
             plot_crops(Path(args.output) / f"pictures-{name}.jpg", subject.colour,
                        {flow: pictures[flow] for flow in _SHOWN}, found)
+    for folder in args.sets:
+        rows += set_rows(folder, progress=lambda name, folder=folder: progress(
+            len(subjects) / (len(subjects) + 1), f" {folder}: {name}"))
     progress(1)
     if not write_report({"rows": rows}, args.json):
         print(table(rows))
@@ -85,8 +92,15 @@ def _photo(path, size):
 def table(rows):
     """Rows as text."""
     lines = [f"{'picture':<20} {'flow':<30} PSNR, dB  to Lanczos    SSIM  false colour"]
-    for row in rows:
+    for row in (row for row in rows if "picture" in row):
         lines.append(f"{row['picture'][:20]:<20} {row['flow']:<30} {row['psnr_db']:8.2f} "
                      f"{row['psnr_lanczos_db']:11.2f} {row['ssim']:7.4f} "
                      f"{row['false_colour']:13.2f}")
+    sets = [row for row in rows if "set" in row]
+    if sets:
+        lines.append(f"\n{'set':<20} {'flow':<20} noise  gains                  PSNR, dB")
+    for row in sets:
+        gains = "/".join(f"{gain:g}" for gain in row["gains"]) + " first" * row["balanced_first"]
+        lines.append(f"{row['set'][:20]:<20} {row['flow']:<20} {row['noise']:5g}  {gains:<20} "
+                     f"{row['psnr_db']:10.2f}")
     return "\n".join(lines)
