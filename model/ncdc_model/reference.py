@@ -130,9 +130,9 @@ def _around(raw):
     """A function that gives the mean of the samples at (rows, columns) from every sample."""
     framed = np.pad(raw, 2, mode="reflect")
 
-    def mean(*places):
+    def mean(*offsets):
         return sum(framed[2 + down:, 2 + across:][:raw.shape[0], :raw.shape[1]]
-                   for down, across in places) / len(places)
+                   for down, across in offsets) / len(offsets)
     return mean
 
 

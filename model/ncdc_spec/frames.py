@@ -9,7 +9,7 @@ from ncdc_spec.cache_options import TILE_WIDTH
 from ncdc_spec.errors import InputError
 from ncdc_spec.pixel_formats import PixelFormat
 
-__all__ = ["ADDRESS_BITS", "BGR8", "BGRX8", "FramePlaces", "MONO8", "OUTPUT_FORMATS",
+__all__ = ["ADDRESS_BITS", "BGR8", "BGRX8", "FrameAddresses", "MONO8", "OUTPUT_FORMATS",
            "OutputFormat", "SOURCE_BEYOND", "check_format", "frame_bytes", "output_format",
            "raw_image", "source_bytes", "stored_bytes", "stored_picture", "target_bytes"]
 
@@ -68,7 +68,7 @@ def check_format(form, geometry):
 
 
 @dataclass(frozen=True)
-class FramePlaces:
+class FrameAddresses:
     """Where the raw and the corrected frame lie in memory.
 
     Parameters

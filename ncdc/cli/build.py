@@ -14,7 +14,7 @@ from ncdc.toolchain.bitstream import (
     clock_nets,
     clock_preferences,
     pack,
-    place,
+    place_and_route,
     resources,
     synthesise_board,
 )
@@ -75,7 +75,7 @@ def add_arguments(parser) -> None:
 
 
 def run(args) -> None:
-    """Check, generate, synthesise, place, pack, write."""
+    """Check, generate, synthesise, place and route, pack, write."""
     if not 1 <= args.seeds <= _MAX_SEEDS:
         raise InputError(f"seeds is {args.seeds}, 1 to {_MAX_SEEDS} are tried")
     board = board_of(args.board)
@@ -117,7 +117,7 @@ def _open(args, board, named, output):
             runs = []
             for seed in range(1, args.seeds + 1):
                 steps(f"place and route: nextpnr, seed {seed} of {args.seeds}")
-                runs.append(place(folder, board.device, preferences, nets, seed))
+                runs.append(place_and_route(folder, board.device, preferences, nets, seed))
             best = max(runs, key=lambda one: one.slack)
             _check_clocks(best, args.seeds)
             steps("packing the bitstream")

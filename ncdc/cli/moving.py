@@ -18,7 +18,7 @@ from ncdc_spec.sensors.framing import grid_row, setup_around
 
 __all__ = ["add_moving", "run_moving"]
 
-_MOST_FRAMES = 1000
+_MAX_FRAMES = 1000
 _SHOWN_MS = 200         # each picture: slow enough to look at
 
 
@@ -41,8 +41,8 @@ def add_moving(parser):
 
 def run_moving(args, descriptor):
     """Simulate, compare, write, report; 1 if a pixel differs."""
-    if not 1 <= args.frames <= _MOST_FRAMES:
-        raise InputError(f"frames is {args.frames}, 1 to {_MOST_FRAMES} are simulated")
+    if not 1 <= args.frames <= _MAX_FRAMES:
+        raise InputError(f"frames is {args.frames}, 1 to {_MAX_FRAMES} are simulated")
     check_animation(args.output)
     velocity = _velocity(args.velocity)
     for option, given in (("--line-clocks", args.line_clocks), ("--tone", args.tone),

@@ -28,7 +28,7 @@ def photos_of(arguments):
     arguments : sequence of str
         Files; folders, whose photos are meant; and patterns with ``*``, ``?`` or ``[``, as a shell
         leaves them in quotes. Files in alphabetical order, as a shell sorts them, are put into
-        natural order; any other order is kept.
+        natural order; any other order stays.
 
     Raises
     ------

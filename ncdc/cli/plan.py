@@ -99,7 +99,7 @@ def run(args) -> None:
     made = planned.hardware.made_for(descriptor)
     report = planned.report() | {"nodes": descriptor.nodes, "share": made.share,
                                  "tansigs": made.units(descriptor.hidden_neurons)}
-    report |= _beside(args, descriptor, planned, framing)
+    report |= _with_camera(args, descriptor, planned, framing)
     if write_report({"digest": descriptor.digest, "output": args.to, **report,
                      **(bound.report() if bound else {})}, args.json):
         return
@@ -118,7 +118,7 @@ def run(args) -> None:
               f"second")
 
 
-def _beside(args, descriptor, planned, framing):
+def _with_camera(args, descriptor, planned, framing):
     """Entries of the report with a running camera; ``framing``: its configuration and crop, or
     None."""
     if framing is None:

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from ncdc.toolchain.flows import absorbed, call_tool, check_tools
 
-__all__ = ["Clock", "Placement", "clock_nets", "clock_preferences", "pack", "place",
+__all__ = ["Clock", "Placement", "clock_nets", "clock_preferences", "pack", "place_and_route",
            "placement_of", "resources", "synthesise_board"]
 
 _DEVICE = re.compile(r"LFE5U-(\d+)F-(\d)BG(\d+)C")
@@ -102,7 +102,7 @@ def clock_preferences(nets, targets):
     return "\n".join(lines) + "\n"
 
 
-def place(folder, device, preferences, nets, seed):
+def place_and_route(folder, device, preferences, nets, seed):
     """Place and route the netlist in ``folder`` on a ``device``, as Lattice calls it: its
     :class:`Placement`; the configuration is in ``<seed>.config`` there. ``nets``: as of
     :func:`clock_nets`."""

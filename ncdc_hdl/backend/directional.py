@@ -13,7 +13,7 @@ from ncdc_spec.interpolation import DIRECTIONAL
 __all__ = ["BEND", "Crest", "DirectionalPoints", "Direction"]
 
 _SAMPLES = data.ArrayLayout(8, len(DIRECTIONAL.samples))
-# Place (j, i), colour k, in units of a sixteenth: index 6 j + 3 i + k. The kernels' weights of one
+# Sample (j, i), colour k, in units of a sixteenth: index 6 j + 3 i + k. The kernels' weights of one
 # sign sum up to 36 sixteenths, those of the other to 20: 15 bits hold every value.
 _POINTS = data.ArrayLayout(signed(15), 12)
 # Middle second differences of rows 2 and 3, and of columns 2 and 3, of coarse samples: two of each.
@@ -48,8 +48,8 @@ class Direction(wiring.Component):
 
     def elaborate(self, platform):
         m = Module()
-        at = {place: sample[self._DROPPED:]
-              for place, sample in zip(DIRECTIONAL.samples, self.samples)}
+        at = {position: sample[self._DROPPED:]
+              for position, sample in zip(DIRECTIONAL.samples, self.samples)}
         turned = {(i, j): sample for (j, i), sample in at.items()}
         (h, bend_x), (v, bend_y) = self._variation(m, "h", at), self._variation(m, "v", turned)
         m.d.comb += [self.bend.x.eq(bend_x), self.bend.y.eq(bend_y)]
@@ -145,12 +145,12 @@ class DirectionalPoints(wiring.Component):
     """The colours of four neighbouring samples by the kernels of
     ``ncdc_model.golden.directional``, whose docstring has the equations.
 
-    Nothing is rounded or clamped. So that each kernel stands in one place, the places of a row are
+    Nothing is rounded or clamped. So that each kernel has one position, the samples of a row are
     put out green first; ``reversed`` says where that is not their order from left to right. The
     chroma of the upper row comes first among the colours; it is blue if ``swapped``. Otherwise
     equal bit for bit to ``ncdc_model.golden.directional.directional_colours``.
 
-    Of a grey sensor (``mono``) green is that of ``ncdc_model.golden.picture.grey_places``, and the
+    Of a grey sensor (``mono``) green is that of ``ncdc_model.golden.picture.grey_corners``, and the
     other two colours say nothing.
 
     Timing: free-running, ``latency`` clocks.
@@ -160,7 +160,7 @@ class DirectionalPoints(wiring.Component):
     samples : ``In(ArrayLayout(8, 32))``
         Those of ``DIRECTIONAL.samples``.
     red_column, red_row : ``In(1)``
-        Whether the first place's sample is in a column, a row, that holds red samples.
+        Whether the first sample is in a column, a row, that holds red samples.
     mono : ``In(1)``
         Whether the sensor is grey; constant during a frame.
     o : ``Out(ArrayLayout(signed(15), 12))``
@@ -187,10 +187,10 @@ class DirectionalPoints(wiring.Component):
         register = partial(pipeline.register, m)
         m.submodules.direction = direction = Direction()
         m.d.comb += [direction.samples.eq(self.samples), self.bend.eq(direction.bend)]
-        # Cycle 1: whether the first place is red or blue, which chooses some hundreds of bits.
+        # Cycle 1: whether the first sample is red or blue, which chooses some hundreds of bits.
         chroma_first = register("chroma_first", ~(self.red_row ^ self.red_column))
-        samples = {place: register(f"s{n}", sample)
-                   for n, (place, sample) in enumerate(zip(DIRECTIONAL.samples, self.samples))}
+        samples = {position: register(f"s{n}", sample)
+                   for n, (position, sample) in enumerate(zip(DIRECTIONAL.samples, self.samples))}
         m.d.comb += [
             self.reversed.eq(delay(m, Cat(chroma_first, ~chroma_first), self.latency - 1,
                                    "reversed")),
@@ -226,7 +226,7 @@ class DirectionalPoints(wiring.Component):
         # Cycle 2: choose the column.
         at = {(j, i): register(f"{name}_s{j + 2}{i + 2}",
                                Mux(right, samples[row + j, 3 + i], samples[row + j, 2 + i]))
-              for j, i in {(0, 0), *(place for pair in pairs.values() for place in pair)}}
+              for j, i in {(0, 0), *(step for pair in pairs.values() for step in pair)}}
         # Cycle 3: add the samples of each pair. Cycle 4: add pairs.
         sums = {key: register(f"{name}_{key}", at[a] + at[b]) for key, (a, b) in pairs.items()}
         fours = {key: register(f"{name}_{key}", sums[f"{key}0"] + sums[f"{key}1"])

@@ -41,7 +41,7 @@ def stress_cache(cache, *, groups, seed=1, resets=0):
     """
     needs = cache.options.interpolation
     defines = {"NCDC_LANES": cache.lanes, "NCDC_DATA_WIDTH": cache.data_width,
-               "NCDC_TILES": cache.options.tiles, "NCDC_PLACE": cache.f_bits,
+               "NCDC_TILES": cache.options.tiles, "NCDC_FRACTION_BITS": cache.f_bits,
                "NCDC_CORE": needs.core, "NCDC_MARGIN": needs.margin,
                "NCDC_TILE_HEIGHT": needs.tile_height, "NCDC_TILE_ROWS": needs.tile_rows,
                "NCDC_BOX_ROWS": needs.box_rows, "NCDC_BOX_WORD": needs.box_word(cache.lanes)}

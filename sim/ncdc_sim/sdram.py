@@ -78,11 +78,11 @@ def run_sdram(controller, hosts, *, clocks, clock_hz, simulator="verilator", **s
     SimulationError
         If it does not compile, or ends without a result.
     """
-    place = controller.mapping
-    parameters = chip_parameters(place.chip, clock_hz, KEPT=_ROW_BITS)
-    defines = {"NCDC_READS": controller.count, "NCDC_DATA": place.data_width,
-               "NCDC_BURST": place.max_burst, "NCDC_COLUMNS": place.column_bits,
-               "NCDC_ROWS": place.chip.row_bits, "NCDC_BEATS": place.beats}
+    mapping = controller.mapping
+    parameters = chip_parameters(mapping.chip, clock_hz, STORED=_ROW_BITS)
+    defines = {"NCDC_READS": controller.count, "NCDC_DATA": mapping.data_width,
+               "NCDC_BURST": mapping.max_burst, "NCDC_COLUMNS": mapping.column_bits,
+               "NCDC_ROWS": mapping.chip.row_bits, "NCDC_BEATS": mapping.beats}
     names = ("sdram_chip.v", "avalon_checker.v", "sdram_bench.v")
     sources = [("controller.v", module_verilog(controller, "sdram_controller")),
                ("sdram_dut.v", _dut(controller, parameters)),
@@ -126,9 +126,9 @@ def _results(program, plusargs, hosts):
 
 def _dut(controller, parameters):
     """Verilog of ``sdram_dut``: the controller, its ports as vectors, and the chip."""
-    place, reads = controller.mapping, controller.count
-    data, bits = place.data_width, place.max_burst.bit_length()
-    lanes, chip = data // 8, place.chip
+    mapping, reads = controller.mapping, controller.count
+    data, bits = mapping.data_width, mapping.max_burst.bit_length()
+    lanes, chip = data // 8, mapping.chip
     ports = "".join(f"""
         .reads__{k}__address(read_address[{32 * k} +: 32]), .reads__{k}__read(read_read[{k}]),
         .reads__{k}__burstcount(read_burstcount[{bits * k} +: {bits}]),

@@ -283,7 +283,8 @@ def _protocols(identity, clock_hz, colour):
         "CONFIG_MASK": _hex(_address(identity.mask)),
         "CONFIG_MAC": _braced(f"0x{part}" for part in identity.mac.split(":")),
         "CONFIG_TEXTS": _braced(
-            _braced([_hex(gvcp.place(name).address), str(gvcp.place(name).length), _text(text)])
+            _braced([_hex(gvcp.register(name).address), str(gvcp.register(name).length),
+                     _text(text)])
             for name, text in texts.items()),
         "CONFIG_XML": _braced(map(str, xml))}
 

@@ -140,13 +140,13 @@ def described(soc, platform, text, chip=None):
     core = next(source[0] for source in platform.sources if "VexRiscv" in source[0])
     registers = {f"{bank}_{csr.name}".upper(): region.origin + 4 * offset
                  for bank, region in soc.csr_regions.items()
-                 for offset, csr in _places(region.obj)}
+                 for offset, csr in _located(region.obj)}
     memories = {name: (region.origin, region.size) for name, region in soc.bus.regions.items()}
     return ProcessorVerilog(text, core, registers, memories, soc.irq.locs["system"],
                             int(soc.sys_clk_freq), chip)
 
 
-def _places(csrs):
+def _located(csrs):
     """(word, register) of a bank's registers; one of more than 32 bits takes several."""
     offset = 0
     for csr in csrs if isinstance(csrs, list) else []:

@@ -66,7 +66,7 @@ class Client:
         """Take control, and choose this machine as the receiver."""
         for name, value in (("ControlPrivilege", 2), ("StreamPort", 6000),
                             ("StreamAddress", int(IPv4Address(PEER[0])))):
-            assert self.write(gvcp.place(name).address, value) == gvcp.SUCCESS
+            assert self.write(gvcp.register(name).address, value) == gvcp.SUCCESS
 
     def exposure(self):
         return self.get("ExposureTime"), self.get("Gain")
@@ -337,7 +337,7 @@ def test_it_stays_when_the_controller_leaves(one):
     modes = {name: CONTINUOUS for name in AUTO_FEATURES}
     one.set_light(0.5)
     one.client.set(ExposureTime=100, Gain=8, **modes, AcquisitionStart=1)
-    one.client.write(gvcp.place("ControlPrivilege").address, 0)
+    one.client.write(gvcp.register("ControlPrivilege").address, 0)
     assert {name: one.client.get(name) for name in modes} == modes
     # Without a controller, users of Table I write what they like.
     assert one.table_write(mt9p031.GLOBAL_GAIN, 20) == 20

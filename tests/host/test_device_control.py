@@ -14,7 +14,7 @@ from ncdc_spec.protocols.features import FEATURES, feature
 from ncdc_spec.protocols.genicam import genicam_xml
 
 USER, OTHER = ("127.1.1.1", 5000), ("127.1.1.1", 5001)
-CCP = gvcp.place("ControlPrivilege").address
+CCP = gvcp.register("ControlPrivilege").address
 
 
 class Asker:
@@ -82,13 +82,13 @@ def test_control_is_free_after_the_heartbeat(one):
         assert other.write(CCP, 2) == gvcp.ACCESS_DENIED
     other.now = user.now + 3.1
     assert other.write(CCP, 2) == gvcp.SUCCESS
-    other.write(gvcp.place("HeartbeatTimeout").address, 1)
-    assert other.read(gvcp.place("HeartbeatTimeout").address) == gvcp.HEARTBEAT_MIN_MS
+    other.write(gvcp.register("HeartbeatTimeout").address, 1)
+    assert other.read(gvcp.register("HeartbeatTimeout").address) == gvcp.HEARTBEAT_MIN_MS
 
 
 def test_no_heartbeat_locks_the_device_for_long(one):
     user, other = Asker(one), Asker(one, OTHER)
-    address = gvcp.place("HeartbeatTimeout").address
+    address = gvcp.register("HeartbeatTimeout").address
     user.command(gvcp.WRITEREG, struct.pack(">IIII", CCP, 2, address, 0xFFFFFFFF))
     assert other.read(address) == gvcp.HEARTBEAT_MAX_MS <= 60_000
     other.now = user.now + gvcp.HEARTBEAT_MAX_MS / 1000 + .1
@@ -99,7 +99,7 @@ def test_pictures_go_to_the_controller_s_machine_or_a_group(one, monkeypatch):
     user, sent = Asker(one), []
     monkeypatch.setattr(one.stream, "_put", lambda parts, address: sent.append(address))
     user.control()
-    size, port, address = (gvcp.place(f"Stream{name}").address
+    size, port, address = (gvcp.register(f"Stream{name}").address
                            for name in ("PacketSize", "Port", "Address"))
     assert user.write(port, 6000) == gvcp.SUCCESS
     for third in ("127.9.9.9", "8.8.8.8", "255.255.255.255", "127.255.255.255"):
@@ -194,7 +194,7 @@ def test_a_command_that_needs_the_sensor_s_bus_is_put_off(one):
 
     assert user.write(address, 0x2C) == gvcp.SUCCESS
     assert codes(read) == [0x81] and codes(write) == [0x83]
-    configuration = gvcp.place("Configuration").address
+    configuration = gvcp.register("Configuration").address
     assert user.write(configuration, 1) == gvcp.INVALID_PARAMETER
     assert user.write(configuration, gvcp.CONFIGURATION_PENDING_ACK) == gvcp.SUCCESS
     assert codes(read) == [0x89, 0x81] and codes(write) == [0x89, 0x83]
@@ -203,7 +203,7 @@ def test_a_command_that_needs_the_sensor_s_bus_is_put_off(one):
     assert codes(read, OTHER) == [0x81]
     assert user.set("Gain", 16) == gvcp.SUCCESS
     assert user.write(address, 0x35) == gvcp.SUCCESS and codes(read) == [0x81]
-    assert user.write(gvcp.place("ControlPrivilege").address, 0) == gvcp.SUCCESS
+    assert user.write(gvcp.register("ControlPrivilege").address, 0) == gvcp.SUCCESS
     assert user.read(configuration) == 0
 
 

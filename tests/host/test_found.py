@@ -40,7 +40,7 @@ def test_a_device_s_texts_do_not_change_the_terminal(capsys):
     assert (found.mac, found.vendor, found.model, found.serial) == (HARMLESS,) * 4
     assert str(DeviceError(EVIL)) == HARMLESS
     with device() as one:
-        model = gvcp.place("DeviceModelName")
+        model = gvcp.register("DeviceModelName")
         one.agent._texts[model.address] = b"\x1b[31mred\x07".ljust(model.length, b"\0")
         arguments = parser("client").parse_args(
             ["client", "show", "--device", f"gige://{one.options.address}"])

@@ -104,7 +104,7 @@ from ncdc_host.device.emulated import Announcer
 from ncdc_spec.protocols import gvcp
 with device() as one:
     announcer = Announcer([one])
-    xml, url = sys.stdin.buffer.read(), gvcp.place("FirstUrl")
+    xml, url = sys.stdin.buffer.read(), gvcp.register("FirstUrl")
     one.agent._xml = xml + bytes(-len(xml) % 4)
     one.agent._texts[url.address] = (
         f"Local:x.xml;{gvcp.XML_BASE:X};{len(xml):X}".encode().ljust(512, b"\\0"))
@@ -139,7 +139,7 @@ def test_viva_survives_what_is_at_the_limits():
 
 def test_a_large_xml_is_not_even_read(monkeypatch):
     with device() as one:
-        url = gvcp.place("FirstUrl")
+        url = gvcp.register("FirstUrl")
         one.agent._texts[url.address] = (f"Local:x.xml;{gvcp.XML_BASE:X};"
                                          f"{xml_check.XML_BYTES_MAX + 1:X}").encode().ljust(512,
                                                                                             b"\0")

@@ -11,7 +11,7 @@ from ncdc_model.planner.tags import accesses, misses
 from ncdc_model.planner.timing import predict_clocks
 from ncdc_model.planner.writes import frame_writes
 from ncdc_spec.cache_options import CacheOptions
-from ncdc_spec.frames import FramePlaces
+from ncdc_spec.frames import FrameAddresses
 from ncdc_spec.geometry import Geometry
 from ncdc_spec.hardware import Hardware
 from windows import random_windows, walking_windows
@@ -123,7 +123,7 @@ def test_clocks_are_those_of_the_loop(make, tiles, pending, outstanding, latency
     missed = misses(accesses(boxes), options, 1)
     memory = LatencyMemory(latency=(latency, latency))
     hardware = Hardware(data_width=128 // words, cache=options)
-    predicted = predict_clocks(missed, boxes, hardware, memory, TIMING, FramePlaces(0, 0, PITCH))
+    predicted = predict_clocks(missed, boxes, hardware, memory, TIMING, FrameAddresses(0, 0, PITCH))
     assert predicted.clocks - TIMING.start - TIMING.end == clocked(boxes, missed, options, latency,
                                                                    words)
 

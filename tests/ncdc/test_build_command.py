@@ -18,7 +18,7 @@ from ncdc.toolchain.bitstream import (
     clock_nets,
     clock_preferences,
     pack,
-    place,
+    place_and_route,
     placement_of,
     synthesise_board,
 )
@@ -157,7 +157,7 @@ def test_the_flow_on_a_small_design(tmp_path):
     nets = clock_nets(netlist, {"core": ("gate", "CLKO")})
     # Not the 25 MHz that follow from the pin: what we ask is heard.
     preferences = files["blinker.lpf"] + clock_preferences(nets, {"core": 50.0})
-    placement = place(tmp_path, BOARD.device, preferences, nets, 1)
+    placement = place_and_route(tmp_path, BOARD.device, preferences, nets, 1)
     assert [(clock.name, clock.target_mhz) for clock in placement.clocks] == [("core", 50)]
     assert placement.slack > .5
     report = json.loads((tmp_path / "1.json").read_text())

@@ -22,6 +22,11 @@ def test_every_name_fits_its_field():
     assert misplaced(packets_figure()) == []
 
 
+def test_drawings_of_boards_are_written(tmp_path):
+    board_diagrams.draw_all(tmp_path)
+    assert {path.name for path in tmp_path.iterdir()} == {"board.png", "board-sdram-clock.png"}
+
+
 def test_texts_over_boxes_and_texts_are_found():
     boxes = (0, 0, 2, 2, "a"), (4, 0, 2, 2, "b" * 60)
     assert ("b" * 60, "box") in misplaced(boxes_figure(boxes, ()))

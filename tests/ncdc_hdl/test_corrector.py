@@ -12,10 +12,10 @@ from ncdc_model.reference import bayer_psnr, correct_real, grey_level_difference
 from ncdc_sim.system.corrector import simulate_correction
 from ncdc_sim.system.frame import Program, simulate_frame
 from ncdc_spec.descriptor import Descriptor, FloatNetwork
-from ncdc_spec.frames import FramePlaces, frame_bytes, raw_image, stored_picture
+from ncdc_spec.frames import FrameAddresses, frame_bytes, raw_image, stored_picture
 from ncdc_spec.geometry import BAYER_PHASE, Geometry, ValidRows
 from ncdc_spec.hardware import Hardware
-from ncdc_spec.registers.host_values import host_values, place_values, table_words
+from ncdc_spec.registers.host_values import address_values, host_values, table_words
 from ncdc_spec.registers.register_map import CTRL_COMMIT, CTRL_START, registers
 
 SIMULATORS = ["icarus", "verilator"]
@@ -151,9 +151,9 @@ def test_parameters_change_between_frames(simulator):
     rows = {r.name: r.address for r in registers(2, one.formats)}
     first = host_values(one)
     source, target = 8192, (16384, 32768)
-    second = host_values(two, places=FramePlaces(source, target[1], 40))
+    second = host_values(two, addresses=FrameAddresses(source, target[1], 40))
     program = Program().write(rows["IRQ_ENABLE"], 1)
-    first |= place_values(one.geometry, 32, FramePlaces(0, target[0], first["SOURCE_PITCH"]))
+    first |= address_values(one.geometry, 32, FrameAddresses(0, target[0], first["SOURCE_PITCH"]))
     for name, value in first.items():
         program.write(rows[name], value)
     program.write(rows["CTRL"], CTRL_COMMIT | CTRL_START)

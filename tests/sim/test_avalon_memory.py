@@ -26,7 +26,7 @@ def test_settings():
     assert settings("fixed:100:4", 128, 1)["rate"] == 64
     assert settings("hostile", 32, 1) == {
         "dram": 0, "latency_min": 1, "latency_max": 60, "rate": 384, "granule": 1,
-        "wait_chance": 128, "max_pending": 4}
+        "wait_probability": 128, "max_pending": 4}
     ddr3 = settings("ddr3@150", 128, 1)
     assert (ddr3["ratio_mul"], ddr3["ratio_div"], ddr3["controller_clocks"]) == (8, 3, 16)
     assert (ddr3["bank_bits"], ddr3["column_bits"], ddr3["access_bits"], ddr3["word_bits"]) == (

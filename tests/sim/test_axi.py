@@ -21,7 +21,7 @@ from ncdc_sim.system.frame import simulate_frame
 from ncdc_sim.system.resets import simulate_resets
 from ncdc_sim.tools import SIMULATORS, SimulationError
 from ncdc_spec.cache_options import CacheOptions
-from ncdc_spec.frames import FramePlaces, frame_bytes, raw_image
+from ncdc_spec.frames import FrameAddresses, frame_bytes, raw_image
 from ncdc_spec.hardware import Hardware
 from ncdc_spec.registers.register_map import FAULT_MEMORY, registers
 
@@ -77,7 +77,7 @@ def run(name, **options):
     pytest.param(name, marks=regress) for name in BUILDS if name != "memory")])
 def test_every_pixel(name, more, simulator):
     result = run(name, memory="hostile" if more else "ideal", more=more,
-                 sink_chance=100 if more else 256, simulator=simulator)
+                 sink_probability=100 if more else 256, simulator=simulator)
     assert result.differing == [] and result.bytes_outside == 0
     assert result.fetches_expected == result.counters["FETCHES"]
 
@@ -146,7 +146,7 @@ def test_an_error_of_the_memory_is_told(port):
     verilog = head + name + tail.replace("axi_fail=%d", "no_fail=%d", 1)
     d, g = corrector.descriptor, corrector.descriptor.geometry
     [fault] = [r for r in registers(2, d.formats) if r.name == "FAULT"]
-    places = FramePlaces.after_reset(g, corrector.hardware.data_width)
+    places = FrameAddresses.after_reset(g, corrector.hardware.data_width)
     program = corrector_program(d, corrector.hardware, checked=False).read(fault.address)
     told = [simulate_frame(verilog, raw_image(noise(), places.pitch), program,
                            source_base=places.source, output_base=places.target,

@@ -67,8 +67,9 @@ def asked():
     pc = int.from_bytes(bytes(map(int, PC_ADDRESS.split("."))), "big")
     commands = [gvcp.command_packet(gvcp.DISCOVERY, 1)] + [
         write_register(request, address, value) for request, (address, value) in enumerate((
-            (gvcp.place("ControlPrivilege").address, 2),
-            (gvcp.place("StreamPort").address, GVSP_TO), (gvcp.place("StreamAddress").address, pc),
+            (gvcp.register("ControlPrivilege").address, 2),
+            (gvcp.register("StreamPort").address, GVSP_TO),
+            (gvcp.register("StreamAddress").address, pc),
             (feature("AcquisitionStart").address, 1)), 2)]
     packets = [
         Ether(dst="ff:ff:ff:ff:ff:ff", src=PC) / ARP(op=1, hwsrc=PC, psrc=PC_ADDRESS,

@@ -1,7 +1,7 @@
 """The tile cache on random windows, where tiles replace each other all the time.
 
-The bench counts wrong windows, and stops at a read of a wrong tile, a breach of protocol or a
-hang. Each guard against a hazard is taken out once, which must be seen.
+The bench counts wrong windows, and stops at a read of a wrong tile, a violation of the protocol or
+a hang. Each guard against a hazard is taken out once, which must be seen.
 """
 
 from dataclasses import replace

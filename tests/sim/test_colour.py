@@ -39,10 +39,10 @@ def noise(d):
 
 @pytest.mark.parametrize("settings,memory,options", [
     pytest.param(dict(), "sdram", {}, marks=regress),
-    (dict(output="stream"), "hostile", {"sink_chance": 150}),
+    (dict(output="stream"), "hostile", {"sink_probability": 150}),
     pytest.param(dict(lanes=4, data_width=128, strip=32), "ddr3", {}, marks=regress),
-    pytest.param(dict(lanes=4, data_width=128, output="stream"), "hostile", {"sink_chance": 60},
-                 marks=regress)])
+    pytest.param(dict(lanes=4, data_width=128, output="stream"), "hostile",
+                 {"sink_probability": 60}, marks=regress)])
 def test_verilog_equals_golden(settings, memory, options):
     d = camera()
     result = simulate_correction(d, noise(d), Hardware(colour=True, **settings), colour=SET,

@@ -162,7 +162,7 @@ def test_wide_port_of_a_narrow_memory():
     ("refresh-open", ("issue(PRECHARGE_ALL, 0, 0, 0);", "")),
     ("refresh-late", ("refresh_due + refresh_interval", "refresh_due + 3 * refresh_interval")),
 ])
-def test_the_checker_sees_a_planted_breach(rule, planted):
+def test_the_checker_sees_a_planted_violation(rule, planted):
     with pytest.raises(SimulationError, match=f"AVALON-ERROR memory {rule} "):
         busy(rule, planted=planted)
 

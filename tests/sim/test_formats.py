@@ -17,7 +17,7 @@ from ncdc_model.planner.writes import frame_writes
 from ncdc_sim.system.corrector import simulate_correction
 from ncdc_sim.system.frame import Program, simulate_frame
 from ncdc_spec.cache_options import CacheOptions
-from ncdc_spec.frames import FramePlaces, frame_bytes, output_format, raw_image
+from ncdc_spec.frames import FrameAddresses, frame_bytes, output_format, raw_image
 from ncdc_spec.hardware import FORMATS, Hardware
 from ncdc_spec.interpolation import GRADIENT
 from ncdc_spec.registers.host_values import host_values
@@ -91,7 +91,7 @@ def predicted(corrector, hardware, memory):
     """Clocks that the planner promises ``corrector``, registers set as ``hardware``."""
     descriptor, timing = corrector.descriptor, corrector.timing
     geometry, memory = descriptor.geometry, memory_timing(memory)
-    places = FramePlaces.after_reset(geometry, hardware.data_width)
+    places = FrameAddresses.after_reset(geometry, hardware.data_width)
     boxes = lookups(frame_windows(descriptor), hardware.strip, hardware.lanes)
     missed = misses(accesses(boxes), hardware.cache, hardware.split)
     writes = frame_writes(geometry, hardware, getattr(memory, "access_bytes", 1), places.target,

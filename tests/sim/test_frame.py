@@ -41,15 +41,15 @@ def test_copies(memory, width, simulator):
     assert result.counters["read0_commands"] == result.counters["output_commands"] == WORDS // 8
 
 
-@pytest.mark.parametrize("sink_chance", [256, 100])
+@pytest.mark.parametrize("sink_probability", [256, 100])
 @pytest.mark.parametrize("simulator", SIMULATORS)
-def test_streams(simulator, sink_chance):
-    result = copy(copier(stream=True), simulator=simulator, sink_chance=sink_chance,
+def test_streams(simulator, sink_probability):
+    result = copy(copier(stream=True), simulator=simulator, sink_probability=sink_probability,
                   output_bytes=3 * WORDS)
     pixels = (~frame()).reshape(-1, 4)[:, 2::-1]
     np.testing.assert_array_equal(np.frombuffer(result.output, np.uint8), pixels.ravel())
     assert result.counters["output_commands"] == 1
-    assert (result.counters["output_waits"] > 0) == (sink_chance < 256)
+    assert (result.counters["output_waits"] > 0) == (sink_probability < 256)
 
 
 @pytest.mark.parametrize("latency", [1, 2, 37])
@@ -85,7 +85,7 @@ def test_seed_changes_the_timing():
 def test_faults_are_named(fault, stream, message, simulator):
     with pytest.raises(SimulationError, match=message):
         copy(copier(stream=stream, fault=fault), memory=LatencyMemory(wait_probability=100),
-             simulator=simulator, sink_chance=128, clock_limit=4000)
+             simulator=simulator, sink_probability=128, clock_limit=4000)
 
 
 def test_output_nobody_wrote_is_seen():

@@ -18,7 +18,7 @@ from ncdc_model.planner.timing import predict_clocks
 from ncdc_model.planner.writes import frame_writes
 from ncdc_sim.system.corrector import simulate_correction
 from ncdc_spec.cache_options import CacheOptions
-from ncdc_spec.frames import FramePlaces
+from ncdc_spec.frames import FrameAddresses
 from ncdc_spec.hardware import Hardware
 from ncdc_spec.interpolation import FAST, GRADIENT, interpolation_of
 
@@ -34,7 +34,7 @@ def predicted(corrector, hardware, memory):
     descriptor, timing = corrector.descriptor, corrector.timing
     geometry, memory = descriptor.geometry, memory_timing(memory)
     hardware = hardware.made_for(descriptor)
-    places = FramePlaces.after_reset(geometry, hardware.data_width)
+    places = FrameAddresses.after_reset(geometry, hardware.data_width)
     boxes = lookups(frame_windows(descriptor), hardware.strip, hardware.lanes)
     missed = misses(accesses(boxes), hardware.cache, hardware.split_for(geometry))
     writes = None if hardware.stream else frame_writes(

@@ -227,7 +227,7 @@ def litedram(chip, name, **times):
     made = built(key_of("litedram-sdr", name, script.read_text()), generate)
     # LiteDRAM rounds the time between refreshes up, and lets no clock pass between read and
     # written data.
-    parameters = chip_parameters(replace(chip, pause=2), 100e6, KEPT=3, TURNAROUND=0,
+    parameters = chip_parameters(replace(chip, pause=2), 100e6, STORED=3, TURNAROUND=0,
                                  REFRESH_GAP=2 * int(1000 * chip.refresh))
     text = (SUPPORT / "hdl/sdram_litedram.v").read_text().replace(
         "CHIP_PARAMETERS) chip", ", ".join(f".{key}({value})" for key, value in

@@ -95,7 +95,7 @@ def test_a_queue_of_which_one_side_is_not_reset_is_found(monkeypatch):
 def test_pins_that_are_too_late_are_found(monkeypatch):
     late = replace(bus.TIMINGS["FT232H"], fpga_out=9200)
     monkeypatch.setitem(bus.TIMINGS, "FT232H", late)
-    with pytest.raises(SimulationError, match="set-up"):
+    with pytest.raises(SimulationError, match="USB-ERROR setup"):
         run(FT232H, (50, 50), simulator="icarus", timed=True)
 
 

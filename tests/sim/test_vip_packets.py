@@ -32,10 +32,10 @@ def run(**options):
 
 
 @pytest.mark.regress
-@pytest.mark.parametrize("sink_chance", [256, 100])
+@pytest.mark.parametrize("sink_probability", [256, 100])
 @pytest.mark.parametrize("simulator", SIMULATORS)
-def test_every_pixel(simulator, sink_chance):
-    result = run(memory="hostile", sink_chance=sink_chance, simulator=simulator)
+def test_every_pixel(simulator, sink_probability):
+    result = run(memory="hostile", sink_probability=sink_probability, simulator=simulator)
     assert result.differing == []
 
 

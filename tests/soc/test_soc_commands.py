@@ -144,10 +144,10 @@ def ask(code, *words):
     return take()
 address, value = (feature(f"SensorRegister{name}").address for name in ("Address", "Value"))
 told = {}
-ask(gvcp.WRITEREG, gvcp.place("ControlPrivilege").address, 2)
+ask(gvcp.WRITEREG, gvcp.register("ControlPrivilege").address, 2)
 ask(gvcp.WRITEREG, address, 0x2c)
 told["at once"] = ask(gvcp.WRITEREG, value, 7)
-ask(gvcp.WRITEREG, gvcp.place("Configuration").address, 2)
+ask(gvcp.WRITEREG, gvcp.register("Configuration").address, 2)
 told["write"] = [ask(gvcp.WRITEREG, value, 9), take()]
 told["read"] = [ask(gvcp.READREG, value), take()]
 told["two reads"] = [ask(gvcp.READREG, value, value), take()]
@@ -155,7 +155,7 @@ told["kept"] = ask(gvcp.WRITEREG, feature("Gain").address, 8)
 # Somebody else's command is answered between.
 send(gvcp.WRITEREG, value, 11)
 other.sendto(gvcp.command_packet(gvcp.READREG, 99, struct.pack(
-    ">I", gvcp.place("HeartbeatTimeout").address)), ("{address}", gvcp.PORT))
+    ">I", gvcp.register("HeartbeatTimeout").address)), ("{address}", gvcp.PORT))
 other.sendto(gvcp.command_packet(gvcp.READREG, 98, struct.pack(">I", value)),
              ("{address}", gvcp.PORT))
 told["third"] = [take(), take()]
@@ -199,7 +199,7 @@ def test_an_answer_that_waits_for_the_sensor_is_put_off(model, tmp_path):
 
 _ARAVIS_PUT_OFF = OPEN + """
 from ncdc_spec.protocols import gvcp
-device._bridge.call("write_memory", gvcp.place("Configuration").address,
+device._bridge.call("write_memory", gvcp.register("Configuration").address,
                     [gvcp.CONFIGURATION_PENDING_ACK])
 device.set("ExposureTime", 200)
 device.set("SensorRegisterAddress", 0x2c)

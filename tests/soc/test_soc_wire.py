@@ -22,7 +22,7 @@ SIZE = (64, 48)
 PACKAGE = HEADER_BYTES + 3 * SIZE[0] * SIZE[1]
 USERS = 8
 OTHER_IP = "10.77.0.2"
-CCP, HEARTBEAT = (gvcp.place(name).address for name in ("ControlPrivilege", "HeartbeatTimeout"))
+CCP, HEARTBEAT = (gvcp.register(name).address for name in ("ControlPrivilege", "HeartbeatTimeout"))
 
 
 @pytest.fixture(scope="module")
@@ -143,7 +143,7 @@ class Asker:
         """Take control, and have pictures come here."""
         for name, value in (("ControlPrivilege", 2), ("StreamPort", 6000),
                             ("StreamAddress", int(IPv4Address(CLIENT_IP)))):
-            assert self.write(gvcp.place(name).address, value) == gvcp.SUCCESS
+            assert self.write(gvcp.register(name).address, value) == gvcp.SUCCESS
 
 
 def test_a_corrector_without_gains_has_no_balance(wire):
@@ -219,9 +219,9 @@ def test_time_stamps_are_nanoseconds_at_any_clock(text, tmp_path, clock_hz):
         for seconds in (1, 4_000):
             wire.set_clock(seconds * clock_hz)
             asker.write(CCP, 2)         # it has not been heard of for long
-            assert asker.write(gvcp.place("TimestampControl").address, 2) == gvcp.SUCCESS
-            stamp = asker.read(gvcp.place("TimestampHigh").address) << 32 | asker.read(
-                gvcp.place("TimestampLow").address)
+            assert asker.write(gvcp.register("TimestampControl").address, 2) == gvcp.SUCCESS
+            stamp = asker.read(gvcp.register("TimestampHigh").address) << 32 | asker.read(
+                gvcp.register("TimestampLow").address)
             # The loop has turned a few thousand times meanwhile.
             assert 0 <= stamp - seconds * one_second < 10**6
 

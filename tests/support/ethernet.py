@@ -44,7 +44,7 @@ def _pins(interface):
     else:
         wires = {"rx_data": bits, "rx_dv": 1, "rx_er": 1, "tx_data": bits, "tx_en": 1, "tx_er": 1}
     return [_signals("clock", {"sys": 1, "transmit": 1, "late": 1, "reset": 1}),
-            _signals("speed", {"set": 2, "told": 4}),
+            _signals("speed", {"set": 2, "status": 4}),
             _signals("sink", _STREAM), _signals("source", _STREAM),
             _signals("wire_clock", {"rx": 1, "gtx" if interface == "gmii" else "tx": 1}),
             _signals("wire", wires)]
@@ -62,7 +62,7 @@ class _Mac(LiteXModule):
             self.phy = phy = RgmiiPhy(clocks, wires, clock.transmit,
                                       clock.late if late else None, paired=paired,
                                       buffered=in_words)
-            self.comb += [phy.speed.storage.eq(speed.set), speed.told.eq(phy.status.status)]
+            self.comb += [phy.speed.storage.eq(speed.set), speed.status.eq(phy.status.status)]
         elif interface == "gmii":
             self.phy = phy = GmiiPhy(clocks, wires, clock.transmit)
         else:

@@ -15,12 +15,12 @@ from ncdc_spec.protocols.features import AUTO_FEATURES, FEATURES
 __all__ = ["PEERS", "Request", "requests"]
 
 PEERS = (("10.77.0.1", 5000), ("10.77.0.1", 5001), ("10.77.0.2", 5000))
-_CCP, _HEARTBEAT, _PORT, _ADDRESS, _SIZE, _DELAY = (gvcp.place(name).address for name in (
+_CCP, _HEARTBEAT, _PORT, _ADDRESS, _SIZE, _DELAY = (gvcp.register(name).address for name in (
     "ControlPrivilege", "HeartbeatTimeout", "StreamPort", "StreamAddress", "StreamPacketSize",
     "StreamPacketDelay"))
 # They differ from device to device, or with time.
 _OWN = {place.address for place in gvcp.BOOTSTRAP if place.length > 4} | {
-    gvcp.place(name).address for name in (
+    gvcp.register(name).address for name in (
         "MacHigh", "MacLow", "IpAddress", "SubnetMask", "IpConfiguration", "TimestampHigh",
         "TimestampLow", "StreamSourcePort")}
 _STATE = {"AcquisitionMode", "TriggerMode", "TriggerSelector", "TriggerSource", "TLParamsLocked",
@@ -193,7 +193,7 @@ def _limits(made):
             "StreamAddress": (0, 1, 0xFFFF_FFFF, 0),
             "Configuration": (0, 1, 2, 3, 4, 0xFFFF_FFFF, 0),
             "TimestampControl": (0, 1, 3, 0xFFFF_FFFF)}.items():
-        address = gvcp.place(name).address
+        address = gvcp.register(name).address
         for value in values:
             made.write(name, address, value)
             made.read(name, address)
@@ -274,7 +274,7 @@ def _acquisition(made):
     made.write("ControlPrivilege", _CCP, 0)
     for name in ("HeartbeatTimeout", "Configuration", "StreamPort", "StreamPacketDelay",
                  "StreamAddress", "StreamPacketSize", "ControlPrivilege"):
-        made.read(f"{name} after control", gvcp.place(name).address)
+        made.read(f"{name} after control", gvcp.register(name).address)
     for name in ("AcquisitionMode", "TriggerMode", "TLParamsLocked", *AUTO_FEATURES,
                  "BalanceRatioSelector", "ExposureTime", "Gain"):
         made.read(f"{name} after control", at[name])

@@ -72,7 +72,8 @@ def _sdram_clock(path):
         f"ns; core's clock {plan.core_mhz:g} MHz, the SDRAM's {late:.3f} ns late, outputs take "
         f"{out:g}, inputs {back:g}, CAS latency left out\nthe chip needs a command "
         f"{SDRAM_NS['setup']} before and {SDRAM_NS['hold']} after its edge; gives data within "
-        f"{SDRAM_NS['access']}, keeps them {SDRAM_NS['kept']} after the next", fontsize=_TEXT)
+        f"{SDRAM_NS['access']}, keeps them {SDRAM_NS['output_hold']} after the next",
+        fontsize=_TEXT)
     axes.set_xlim(0, end)
     axes.set_ylim(-.5, 3.9)
     for side in ("top", "right", "left"):

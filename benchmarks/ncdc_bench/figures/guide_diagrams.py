@@ -61,7 +61,7 @@ DRAWINGS = {    # file: boxes, arrows, note
          (8.4, 11.7, 2.6, "registers", "settings, lens, claims"),
          (11.7, 8.4, 1.3, "frames", "word by word, Table II")),
         "without --system there is no packetiser, and the registers are reached by serial port and "
-        "scan chain alone"),
+        "JTAG alone"),
     "colorlight-i9.png": (
         ((0, 1.3, 2.3, 2.0, "B50612D\n\ncable to a PC"),
          (5.2, 0, 3.0, 4.6, "processor\n\nVexRiscv, firmware\n\nMAC, RGMII"),

@@ -50,7 +50,7 @@ def _gvcp(address, count):
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as asking:
         asking.settimeout(_TIMEOUT_S)
         for k in range(count):
-            _register(asking, address, gvcp.place("HeartbeatTimeout").address, k + 1)
+            _register(asking, address, gvcp.register("HeartbeatTimeout").address, k + 1)
     return {"commands": count}
 
 
@@ -80,8 +80,8 @@ def _table(address, count):
 def _slowness(device):
     """Seconds on the wall that a second of the device's clock takes."""
     def latched():
-        device.write_memory(gvcp.place("TimestampControl").address, struct.pack(">I", 2))
-        return int.from_bytes(device.read_memory(gvcp.place("TimestampHigh").address, 8), "big")
+        device.write_memory(gvcp.register("TimestampControl").address, struct.pack(">I", 2))
+        return int.from_bytes(device.read_memory(gvcp.register("TimestampHigh").address, 8), "big")
     begin, first = time.monotonic(), latched()
     time.sleep(_SPEED_S)
     return (time.monotonic() - begin) / (latched() - first) * 1e9

@@ -141,12 +141,12 @@ class Bank:
     """
 
     def __init__(self, data, scale=1.0):
-        self.data, self.scale, self._kept, self._truth = Path(data), scale, {}, None
+        self.data, self.scale, self._cached, self._truth = Path(data), scale, {}, None
 
     def real(self, name):
         """The real photo ``name`` with its known points."""
         file, kind = _REAL[name]
-        if name not in self._kept:
+        if name not in self._cached:
             if self._truth is None:
                 path = self.data / "truth.npz"
                 if not path.is_file():
@@ -155,8 +155,8 @@ class Bank:
                 self._truth = np.load(path)
             index, xy = self._truth[f"{file}:index"], self._truth[f"{file}:xy"].astype(np.float64)
             image = read_image(self.data / file)
-            self._kept[name] = Photo(image, (Truth(kind, index, xy, np.ones(len(xy), bool)),))
-        return self._kept[name]
+            self._cached[name] = Photo(image, (Truth(kind, index, xy, np.ones(len(xy), bool)),))
+        return self._cached[name]
 
     def street(self, size):
         """RGB picture of a street, without a target, in ``size``."""
@@ -166,15 +166,15 @@ class Bank:
 
     def example(self):
         """The built-in example's page of dots, a raw frame of 640x480."""
-        if "example" not in self._kept:
+        if "example" not in self._cached:
             camera = example_camera()
             dots = page_to_distorted(camera, page_dots())
             j, i = np.indices(dots.shape[:2])
             truth = Truth("dots", np.stack([i.ravel(), j.ravel()], axis=1), dots.reshape(-1, 2),
                           np.ones(i.size, bool))
             photo = Photo(target_photo(camera), (truth,))
-            self._kept["example"] = replace(photo, truths=(truth.moved(None, photo.size),))
-        return self._kept["example"]
+            self._cached["example"] = replace(photo, truths=(truth.moved(None, photo.size),))
+        return self._cached["example"]
 
     def render(self, *targets, size=(1280, 960), view=0.42, clutter=False, seed=1, shutter=None):
         """Photo by a wide :class:`Lens` of ``targets``, each (kind, columns, rows, :class:`Pose`).

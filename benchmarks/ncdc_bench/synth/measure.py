@@ -85,15 +85,15 @@ def block_rows(block, variant, targets=TARGETS, seeds=1, progress=lambda step: N
         part = component(block, variant, bits)
         if target == "ecp5":
             verilog = module_verilog(Registered(part, outputs=True), "block")
-            runs = [_placed(verilog, progress, seed) for seed in range(1, seeds + 1)]
+            runs = [_routed(verilog, progress, seed) for seed in range(1, seeds + 1)]
             clocks = [run["fmax_mhz"] for run in runs]
-            plain_clocks = [_placed(verilog, progress, seed, plain=True)["fmax_mhz"]
+            plain_clocks = [_routed(verilog, progress, seed, plain=True)["fmax_mhz"]
                             for seed in range(1, seeds + 1) if plain]
             figures = runs[0] | {
                 "fmax_mhz": round(median(clocks), 1), "fmax_seeds_mhz": clocks,
                 "fmax_plain_mhz": round(median(plain_clocks), 1) if plain else None}
         else:
-            figures = _kept(target, module_verilog(part, "block"), progress)
+            figures = _cyclone(target, module_verilog(part, "block"), progress)
         names = _NAMES[target]
         rows.append({"block": block, "variant": variant, "target": target, "multiplier_bits": bits}
                     | traits(part)
@@ -103,14 +103,14 @@ def block_rows(block, variant, targets=TARGETS, seeds=1, progress=lambda step: N
     return rows
 
 
-def _kept(target, verilog, progress):
+def _cyclone(target, verilog, progress):
     """Figures of the Cyclone's flow for module ``block`` of ``verilog``, cached."""
     flow = _FLOWS[target]
     return _once(f"synth-{target}", [verilog, inspect.getsource(flow), *SCRIPTS[target]],
                  lambda: flow(verilog, "block", progress=progress))
 
 
-def _placed(verilog, progress, seed, plain=False):
+def _routed(verilog, progress, seed, plain=False):
     """Figures of the ECP5 flow for one seed of module ``block``, cached."""
     flow = _FLOWS["ecp5"]
     parts = [verilog, inspect.getsource(flow), str(seed),

@@ -127,7 +127,7 @@ class Questions:
         DeviceError
             If it is not in the device's memory, or has more than 16 MB.
         """
-        url = gvcp.place("FirstUrl")
+        url = gvcp.register("FirstUrl")
         text = self.memory(url.address, url.length).partition(b"\0")[0].decode("latin-1")
         match = _URL.match(text)
         if match is None:

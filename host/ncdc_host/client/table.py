@@ -133,7 +133,7 @@ class TableDevice(Device):
     """See :class:`Device`; settings and pictures have a connection each, so that neither waits."""
 
     def __init__(self, address, port, monitor=False):
-        self._place = address, port
+        self._endpoint = address, port
         self._open(f"tcp://{address}:{port}", Connection(address, port), monitor)
 
     def _open(self, url, connection, monitor):
@@ -254,7 +254,7 @@ class TableDevice(Device):
     def stream(self, packet_size=None, multicast=None):
         if multicast is not None:
             raise DeviceError("Table I has no multicast")
-        return TableStream(self, Connection(*self._place))
+        return TableStream(self, Connection(*self._endpoint))
 
     def close(self):
         self._connection.close()

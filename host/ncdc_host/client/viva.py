@@ -63,7 +63,7 @@ def _introduced(viva, address, acknowledge):
     one receives all broadcasts and the others try again.
     """
     # A device behind a router that translates addresses has another address itself.
-    at = gvcp.place("IpAddress").address
+    at = gvcp.register("IpAddress").address
     acknowledge = acknowledge[:at] + socket.inet_aton(address) + acknowledge[at + 4:]
     for _ in range(_TRIES):
         with _INTRODUCING:

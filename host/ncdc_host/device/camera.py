@@ -18,8 +18,8 @@ from ncdc_spec.pixel_formats import PixelFormat, packed
 
 __all__ = ["Camera", "Frame", "Picture", "picture_of"]
 
-_KEPT = 24              # pictures, so that a scene that repeats itself is corrected only once
-_KEPT_BYTES = 64 << 20
+_CACHED = 24            # pictures, so that a scene that repeats itself is corrected only once
+_CACHED_BYTES = 64 << 20
 
 
 @dataclass(frozen=True)
@@ -179,8 +179,8 @@ class Camera:
         picture = picture_of(self.raw(settings, position, seed), settings,
                              corrections[settings.lens])
         self._pictures[key] = picture
-        while len(self._pictures) > _KEPT or sum(
-                p.data.nbytes for p in self._pictures.values()) > _KEPT_BYTES:
+        while len(self._pictures) > _CACHED or sum(
+                p.data.nbytes for p in self._pictures.values()) > _CACHED_BYTES:
             self._pictures.popitem(last=False)
         return picture
 

@@ -76,14 +76,14 @@ class ControlAgent:
         self._words = {}                # numbers of the bootstrap registers by address
         self._texts = {}                # (address, bytes) of texts
         for name, value in identity.numbers.items():
-            self._words[gvcp.place(name).address] = value
+            self._words[gvcp.register(name).address] = value
         url = f"Local:{gvcp.XML_NAME};{gvcp.XML_BASE:X};{len(genicam_xml()):X}"
         for name, text in {**identity.texts, "FirstUrl": url}.items():
-            register = gvcp.place(name)
+            register = gvcp.register(name)
             self._texts[register.address] = text.encode().ljust(register.length, b"\0")
         self._features = {one.address: one for one in FEATURES if one.address >= gvcp.FEATURE_BASE}
-        self._writable = {place.address: place.name for place in gvcp.BOOTSTRAP
-                          if place.access == "rw"}
+        self._writable = {register.address: register.name for register in gvcp.BOOTSTRAP
+                          if register.access == "rw"}
         self._sensor_address = self._ratio = 0
         self._commands = {
             gvcp.DISCOVERY: self._discovery, gvcp.FORCEIP: self._forceip,
@@ -122,7 +122,7 @@ class ControlAgent:
             if answer is None:
                 return []
             pending = (slow and peer == self.controller
-                       and self._words[gvcp.place("Configuration").address])
+                       and self._words[gvcp.register("Configuration").address])
             return [gvcp.pending_acknowledge(command), answer] if pending else [answer]
 
     def _answer(self, command, peer):
@@ -141,7 +141,7 @@ class ControlAgent:
 
     def tick(self, now):
         """Take control from a controller that has not been heard of for the heartbeat's time."""
-        timeout = self._words[gvcp.place("HeartbeatTimeout").address] / 1000
+        timeout = self._words[gvcp.register("HeartbeatTimeout").address] / 1000
         with self._lock:
             if self.controller is not None and now - self._heard > timeout:
                 self._release()
@@ -158,7 +158,7 @@ class ControlAgent:
                              gvcp.SCPS_DO_NOT_FRAGMENT | gvsp.packet_size(1500)),
                             ("StreamSourcePort", self._stream.port), ("TimestampControl", 0),
                             ("TimestampHigh", 0), ("TimestampLow", 0)):
-            self._words[gvcp.place(name).address] = value
+            self._words[gvcp.register(name).address] = value
 
     def _discovery(self, payload, peer):
         return self._memory(0, gvcp.DISCOVERY_BYTES)
@@ -271,7 +271,7 @@ class ControlAgent:
     def _write(self, address, value, peer):
         if address % 4:
             raise _Status(gvcp.BAD_ALIGNMENT)
-        if address == gvcp.place("ControlPrivilege").address:
+        if address == gvcp.register("ControlPrivilege").address:
             self._write_control(value, peer)
             return
         # Another client must not learn from a write what is there.
@@ -302,7 +302,7 @@ class ControlAgent:
             return
         self.controller = peer
         self._registers.controlled = True
-        self._words[gvcp.place("ControlPrivilege").address] = value
+        self._words[gvcp.register("ControlPrivilege").address] = value
 
     def _write_bootstrap(self, address, value):
         name = self._writable[address]
@@ -327,8 +327,8 @@ class ControlAgent:
         elif name == "TimestampControl":
             if value & 2:
                 now = self._camera.now_ns()
-                self._words[gvcp.place("TimestampHigh").address] = now >> 32
-                self._words[gvcp.place("TimestampLow").address] = now & 0xFFFFFFFF
+                self._words[gvcp.register("TimestampHigh").address] = now >> 32
+                self._words[gvcp.register("TimestampLow").address] = now & 0xFFFFFFFF
             return
         if (self._acquiring and name in ("StreamPort", "StreamAddress")
                 and value != self._words[address]):
@@ -374,7 +374,7 @@ class ControlAgent:
             self._registers.write(self._sensor_address, value)
 
     def _receiver(self):
-        words = {name: self._words[gvcp.place(name).address] for name in (
+        words = {name: self._words[gvcp.register(name).address] for name in (
             "StreamPort", "StreamAddress", "StreamPacketSize", "StreamPacketDelay")}
         address = IPv4Address(words["StreamAddress"])
         # Pictures go to the controller's machine only, or to a group.

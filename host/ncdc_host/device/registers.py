@@ -26,8 +26,8 @@ _MIRRORS = 1 << sensor.MIRROR_ROW | 1 << sensor.MIRROR_COLUMN     # of READ_MODE
 # All that may be written, of the sensor and of the system's page.
 _WRITABLE = {sensor.READ_MODE_2, *(one.address for one in sensor.SENSOR.user_registers)} | {
     word.address for word in SYSTEM_WORDS if word.access == "rw"}
-# Sensor registers that a device keeps, so that reading them takes no time on the I2C bus.
-_KEPT = {sensor.SHUTTER_UPPER, sensor.SHUTTER_LOWER, sensor.GLOBAL_GAIN, sensor.TEST_PATTERN}
+# Sensor registers that a device caches, so that reading them takes no time on the I2C bus.
+_CACHED = {sensor.SHUTTER_UPPER, sensor.SHUTTER_LOWER, sensor.GLOBAL_GAIN, sensor.TEST_PATTERN}
 _SHAPE = {address for one in FEATURES if one.locked for address in one.table}
 # Words that the device alone writes while a feature is automatic, and that feature.
 _AUTOMATIC = {address: one.locked_by for one in FEATURES if one.locked_by for address in one.table}
@@ -228,7 +228,7 @@ class Registers:
                 return self._system().get(address, 0)
             if address >= _SENSOR_REGISTERS:
                 return 0
-            self.bus_accesses += address not in _KEPT
+            self.bus_accesses += address not in _CACHED
             return self._window().get(address, self._sensor[address])
 
     def write(self, address, value):

@@ -12,7 +12,7 @@ from ncdc_spec.protocols.gvcp import PACKET_UNAVAILABLE
 
 __all__ = ["Receiver", "Stream"]
 
-_KEPT = 16                      # blocks that can be sent again: 0.8 s at 20 frames per second
+_RESENDABLE = 16                # blocks that can be sent again: 0.8 s at 20 frames per second
 _LINE_NS_PER_BYTE = 8           # of Gigabit Ethernet, whose pace the packets keep
 _LINE_OVERHEAD = 38             # bytes of a packet on the line without IP: header, FCS, gap
 _TRIGGER_SECONDS = 0.05         # from look to look whether a stream that waits has ended
@@ -53,7 +53,7 @@ class Stream:
     loss_again : float
         Share of those that are sent again because a receiver asked for them.
     seed : int
-        Of the chance that picks them.
+        Seed of the random choice of those packets.
     observe : callable
         Called as ``observe(frame)`` with each :class:`~ncdc_host.device.camera.Frame` that was
         sent.
@@ -166,7 +166,7 @@ class Stream:
         payload, packets = gvsp.payload_packets(len(frame.data), receiver.packet_size)
         with self._lock:
             self._blocks[self._block] = frame, payload, packets
-            while len(self._blocks) > _KEPT:
+            while len(self._blocks) > _RESENDABLE:
                 del self._blocks[next(iter(self._blocks))]
         pace = max(receiver.delay_ns,
                    (receiver.packet_size + _LINE_OVERHEAD) * _LINE_NS_PER_BYTE)

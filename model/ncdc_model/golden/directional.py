@@ -79,9 +79,9 @@ def _times(twice, value):
 def directional_colours(window, x0, y0, phase):
     """Four colours of each 6x6 raw ``window`` (..., 6, 6), shape (2, 2, 3, ...).
 
-    Place (j, i) is the sample in row 2 + j, column 2 + i of the window. Colours are in units of a
-    sixteenth; they are not clamped. ``phase``: (column, row) parity of the red samples; ``x0``,
-    ``y0``: column and row of the first place in the frame.
+    Colour (j, i) belongs to the sample in row 2 + j, column 2 + i of the window. Colours are in
+    units of a sixteenth; they are not clamped. ``phase``: (column, row) parity of the red samples;
+    ``x0``, ``y0``: column and row of the first sample in the frame.
     """
     window = window.astype(np.int64)
     right, below = (np.asarray(x0) + phase[0]) & 1, (np.asarray(y0) + phase[1]) & 1
@@ -132,7 +132,7 @@ def crest_of(window, fx, fy, f_bits, strength):
 
 
 def _weight(fraction, f_bits):
-    """n of the module: by the bits behind the highest one, inverted in the upper half."""
+    """n of the module: by the bits below the highest one, inverted in the upper half."""
     fraction = np.asarray(fraction)
     upper = fraction >> f_bits - 1
     return _CREST[(fraction ^ -upper & (1 << f_bits) - 1) << 4 >> f_bits]

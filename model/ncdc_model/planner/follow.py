@@ -9,7 +9,7 @@ from ncdc_model.planner.tags import accesses, misses
 from ncdc_model.planner.timing import predict_clocks
 from ncdc_model.planner.writes import frame_writes
 from ncdc_spec.errors import InputError
-from ncdc_spec.frames import FramePlaces
+from ncdc_spec.frames import FrameAddresses
 from ncdc_spec.interpolation import FAST
 
 __all__ = ["FollowBound", "camera_line", "follow_bound", "rows_needed"]
@@ -104,7 +104,7 @@ def follow_bound(descriptor, hardware, memory, timing, *, line=None, addresses=N
     line : int, optional
         Clocks of a row of a camera with its own memory port and a sample per clock; by default
         without blanking.
-    addresses : FramePlaces, optional
+    addresses : FrameAddresses, optional
         By default those after reset.
     camera : CameraWrites, optional
         A camera on the same port, instead of ``line``.
@@ -112,7 +112,7 @@ def follow_bound(descriptor, hardware, memory, timing, *, line=None, addresses=N
         Called with the fraction done.
     """
     geometry = descriptor.geometry
-    addresses = addresses or FramePlaces.after_reset(geometry, hardware.data_width)
+    addresses = addresses or FrameAddresses.after_reset(geometry, hardware.data_width)
     strip, lanes = hardware.strip, hardware.lanes
     line, row, late = _rows(line, camera, geometry)
     windows = frame_windows(descriptor, lambda done, total: progress(.5 * done / total))

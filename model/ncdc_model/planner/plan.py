@@ -11,7 +11,7 @@ from ncdc_model.planner.traffic import distinct_bytes, live_tiles, worst_span
 from ncdc_model.planner.writes import frame_writes
 from ncdc_spec.cache_options import CacheOptions
 from ncdc_spec.errors import InputError
-from ncdc_spec.frames import FramePlaces, check_format, output_format
+from ncdc_spec.frames import FrameAddresses, check_format, output_format
 from ncdc_spec.geometry import check_strip_width
 from ncdc_spec.hardware import Hardware
 from ncdc_spec.interpolation import FAST
@@ -294,7 +294,7 @@ def _limit(geometry, lanes, clock_mhz, rate):
 
 def _timed(windows, geometry, hardware, memory, timing, progress):
     """Figures of a frame, under their names in :class:`Plan`."""
-    addresses = FramePlaces.after_reset(geometry, hardware.data_width)
+    addresses = FrameAddresses.after_reset(geometry, hardware.data_width)
     boxes = lookups(windows, hardware.strip, hardware.lanes)
     accessed = accesses(boxes)
     missed = misses(accessed, hardware.cache, hardware.split)

@@ -61,7 +61,7 @@ def predict_clocks(missed, boxes, hardware, memory, timing, addresses, writes=No
         Its tile cache, of a known size, and its data width.
     memory : LatencyMemory or DramMemory
     timing : CorrectorTiming
-    addresses : FramePlaces
+    addresses : FrameAddresses
     writes : FrameWrites, optional
         Writes to the same memory; absent for a stream of pixels.
     progress : callable

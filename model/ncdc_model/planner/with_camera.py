@@ -10,7 +10,7 @@ from ncdc_model.planner.lookups import frame_windows, lookups
 from ncdc_model.planner.tags import accesses, misses
 from ncdc_model.planner.timing import predict_clocks
 from ncdc_model.planner.writes import frame_writes
-from ncdc_spec.frames import FramePlaces
+from ncdc_spec.frames import FrameAddresses
 from ncdc_spec.registers.system_values import stores_for, system_values
 
 __all__ = ["clocks_with_camera", "follow_bound_with_camera"]
@@ -68,4 +68,5 @@ def follow_bound_with_camera(descriptor, hardware, memory, timing, sensor, ratio
 
 def _addresses(values):
     """Addresses of a system's first frames after a reset."""
-    return FramePlaces(values["RAW0_BASE"], values.get("CORRECTED0_BASE", 0), values["RAW_PITCH"])
+    return FrameAddresses(values["RAW0_BASE"], values.get("CORRECTED0_BASE", 0),
+                          values["RAW_PITCH"])

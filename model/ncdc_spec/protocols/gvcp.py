@@ -11,10 +11,11 @@ __all__ = ["ACCESS_DENIED", "BAD_ALIGNMENT", "BOOTSTRAP", "BUSY", "CAPABILITY", 
            "DEVICE_ERROR", "Command", "DISCOVERY", "DISCOVERY_BYTES", "FEATURE_BASE", "FORCEIP",
            "FORCE_IP", "HEARTBEAT_MAX_MS", "HEARTBEAT_MIN_MS", "HEARTBEAT_MS", "INVALID_ADDRESS",
            "INVALID_HEADER", "INVALID_PARAMETER", "KEY", "MEMORY_BYTES_MAX", "NOT_IMPLEMENTED",
-           "PACKETRESEND", "PACKET_UNAVAILABLE", "PENDING_ACK", "PENDING_MS", "PORT", "Place",
+           "PACKETRESEND", "PACKET_UNAVAILABLE", "PENDING_ACK", "PENDING_MS", "PORT", "Register",
            "READMEM", "READREG", "REGISTERS_MAX", "SCPS_DO_NOT_FRAGMENT", "SCPS_FIRE", "SUCCESS",
            "WRITEMEM", "WRITEREG", "WRITE_PROTECT", "XML_BASE", "XML_NAME", "acknowledge",
-           "command_packet", "parse_acknowledge", "parse_command", "pending_acknowledge", "place"]
+           "command_packet", "parse_acknowledge", "parse_command", "pending_acknowledge",
+           "register"]
 
 PORT = 3956
 
@@ -61,7 +62,7 @@ DISCOVERY_BYTES = 0xF8          # a discovery acknowledge: the bootstrap registe
 
 
 @dataclass(frozen=True)
-class Place:
+class Register:
     """A bootstrap register.
 
     Parameters
@@ -82,50 +83,51 @@ class Place:
 
 
 BOOTSTRAP = (
-    Place("Version", 0x0000, 4, "ro", "0x00010002: 1.2"),
-    Place("DeviceMode", 0x0004, 4, "ro", "0x80000001: big endian, texts in UTF-8"),
-    Place("MacHigh", 0x0008, 4, "ro", "MAC address, upper two bytes"),
-    Place("MacLow", 0x000C, 4, "ro", "and lower four"),
-    Place("IpOptions", 0x0010, 4, "ro", "ways to get an address: link-local, DHCP"),
-    Place("IpConfiguration", 0x0014, 4, "ro", "the way in use"),
-    Place("IpAddress", 0x0024, 4, "ro", "IPv4 address"),
-    Place("SubnetMask", 0x0034, 4, "ro", "and mask of its net"),
-    Place("Gateway", 0x0044, 4, "ro", "gateway; 0: none"),
-    Place("DeviceVendorName", 0x0048, 32, "ro", "text"),
-    Place("DeviceModelName", 0x0068, 32, "ro", "text"),
-    Place("DeviceVersion", 0x0088, 32, "ro", "text"),
-    Place("DeviceManufacturerInfo", 0x00A8, 48, "ro", "text"),
-    Place("DeviceSerialNumber", 0x00D8, 16, "ro", "text"),
-    Place("DeviceUserID", 0x00E8, 16, "ro", "text"),
-    Place("FirstUrl", 0x0200, 512, "ro", "text: where the XML lies in the device's memory"),
-    Place("SecondUrl", 0x0400, 512, "ro", "text: empty"),
-    Place("NetworkInterfaces", 0x0600, 4, "ro", "1"),
-    Place("MessageChannels", 0x0900, 4, "ro", "0"),
-    Place("StreamChannels", 0x0904, 4, "ro", "1"),
-    Place("Capability", 0x0934, 4, "ro", "serial number, PENDING_ACK, PACKETRESEND, "
-          "WRITEMEM"),
-    Place("HeartbeatTimeout", 0x0938, 4, "rw", "milliseconds without a command of the controller "
-          "after which control is free again; what is "
-          f"written is limited to {HEARTBEAT_MIN_MS} to {HEARTBEAT_MAX_MS}"),
-    Place("TickFrequencyHigh", 0x093C, 4, "ro", "time stamp ticks per second, bits 63..32"),
-    Place("TickFrequencyLow", 0x0940, 4, "ro", "and bits 31..0: 1,000,000,000"),
-    Place("TimestampControl", 0x0944, 4, "rw", "bit 1: latch the time stamp"),
-    Place("TimestampHigh", 0x0948, 4, "ro", "time stamp latched, bits 63..32"),
-    Place("TimestampLow", 0x094C, 4, "ro", "and bits 31..0"),
-    Place("Configuration", 0x0954, 4, "rw", "bit 1: the controller understands PENDING_ACK"),
-    Place("PendingTimeout", 0x0958, 4, "ro", "milliseconds that a command needs at most: 1000"),
-    Place("ControlPrivilege", 0x0A00, 4, "rw", "0 free, 1 exclusive access, 2 control"),
-    Place("StreamPort", 0x0D00, 4, "rw", "UDP port of the receiver; 0: no stream"),
-    Place("StreamPacketSize", 0x0D04, 4, "rw", "bytes of a packet with IP and UDP header, bits "
-          "15..0; bit 30: do not fragment; writing bit 31 sends a test packet"),
-    Place("StreamPacketDelay", 0x0D08, 4, "rw", "nanoseconds between two packets"),
-    Place("StreamAddress", 0x0D18, 4, "rw", "IPv4 address of the receiver, or a multicast group"),
-    Place("StreamSourcePort", 0x0D1C, 4, "ro", "UDP port that the stream comes from"),
+    Register("Version", 0x0000, 4, "ro", "0x00010002: 1.2"),
+    Register("DeviceMode", 0x0004, 4, "ro", "0x80000001: big endian, texts in UTF-8"),
+    Register("MacHigh", 0x0008, 4, "ro", "MAC address, upper two bytes"),
+    Register("MacLow", 0x000C, 4, "ro", "and lower four"),
+    Register("IpOptions", 0x0010, 4, "ro", "ways to get an address: link-local, DHCP"),
+    Register("IpConfiguration", 0x0014, 4, "ro", "the way in use"),
+    Register("IpAddress", 0x0024, 4, "ro", "IPv4 address"),
+    Register("SubnetMask", 0x0034, 4, "ro", "and mask of its net"),
+    Register("Gateway", 0x0044, 4, "ro", "gateway; 0: none"),
+    Register("DeviceVendorName", 0x0048, 32, "ro", "text"),
+    Register("DeviceModelName", 0x0068, 32, "ro", "text"),
+    Register("DeviceVersion", 0x0088, 32, "ro", "text"),
+    Register("DeviceManufacturerInfo", 0x00A8, 48, "ro", "text"),
+    Register("DeviceSerialNumber", 0x00D8, 16, "ro", "text"),
+    Register("DeviceUserID", 0x00E8, 16, "ro", "text"),
+    Register("FirstUrl", 0x0200, 512, "ro", "text: where the XML lies in the device's memory"),
+    Register("SecondUrl", 0x0400, 512, "ro", "text: empty"),
+    Register("NetworkInterfaces", 0x0600, 4, "ro", "1"),
+    Register("MessageChannels", 0x0900, 4, "ro", "0"),
+    Register("StreamChannels", 0x0904, 4, "ro", "1"),
+    Register("Capability", 0x0934, 4, "ro", "serial number, PENDING_ACK, PACKETRESEND, "
+             "WRITEMEM"),
+    Register("HeartbeatTimeout", 0x0938, 4, "rw", "milliseconds without a command of the "
+             "controller after which control is free again; what is "
+             f"written is limited to {HEARTBEAT_MIN_MS} to {HEARTBEAT_MAX_MS}"),
+    Register("TickFrequencyHigh", 0x093C, 4, "ro", "time stamp ticks per second, bits 63..32"),
+    Register("TickFrequencyLow", 0x0940, 4, "ro", "and bits 31..0: 1,000,000,000"),
+    Register("TimestampControl", 0x0944, 4, "rw", "bit 1: latch the time stamp"),
+    Register("TimestampHigh", 0x0948, 4, "ro", "time stamp latched, bits 63..32"),
+    Register("TimestampLow", 0x094C, 4, "ro", "and bits 31..0"),
+    Register("Configuration", 0x0954, 4, "rw", "bit 1: the controller understands PENDING_ACK"),
+    Register("PendingTimeout", 0x0958, 4, "ro", "milliseconds that a command needs at most: 1000"),
+    Register("ControlPrivilege", 0x0A00, 4, "rw", "0 free, 1 exclusive access, 2 control"),
+    Register("StreamPort", 0x0D00, 4, "rw", "UDP port of the receiver; 0: no stream"),
+    Register("StreamPacketSize", 0x0D04, 4, "rw", "bytes of a packet with IP and UDP header, bits "
+             "15..0; bit 30: do not fragment; writing bit 31 sends a test packet"),
+    Register("StreamPacketDelay", 0x0D08, 4, "rw", "nanoseconds between two packets"),
+    Register("StreamAddress", 0x0D18, 4, "rw", "IPv4 address of the receiver, or a multicast "
+             "group"),
+    Register("StreamSourcePort", 0x0D1C, 4, "ro", "UDP port that the stream comes from"),
 )
 _BY_NAME = {register.name: register for register in BOOTSTRAP}
 
 
-def place(name):
+def register(name):
     """The bootstrap register of that name."""
     return _BY_NAME[name]
 

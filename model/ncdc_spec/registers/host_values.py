@@ -4,7 +4,7 @@ from ncdc_spec.colour import COLOURS, Colour
 from ncdc_spec.errors import InputError
 from ncdc_spec.frames import (
     BGRX8,
-    FramePlaces,
+    FrameAddresses,
     check_format,
     output_format,
     source_bytes,
@@ -14,7 +14,7 @@ from ncdc_spec.hardware import Hardware
 from ncdc_spec.interpolation import check_crest
 from ncdc_spec.registers.register_map import BAYER_MONO, TABLE, network_registers
 
-__all__ = ["colour_values", "host_values", "network_values", "place_values", "table_words"]
+__all__ = ["address_values", "colour_values", "host_values", "network_values", "table_words"]
 
 # Array of the descriptor that holds the parameters of a layer's part.
 _ARRAYS = {("hidden", "weights"): "hidden_weights", ("hidden", "bias"): "hidden_biases",
@@ -46,13 +46,13 @@ def network_values(descriptor, neurons=None):
     return values
 
 
-def place_values(geometry, data_width, places, form=BGRX8):
-    """Register values, by name, of the ``places`` that the frames of ``geometry`` just fill, the
+def address_values(geometry, data_width, addresses, form=BGRX8):
+    """Register values, by name, of the ``addresses`` that the frames of ``geometry`` just fill, the
     corrected one in the :class:`OutputFormat` ``form``."""
-    return {"SOURCE_BASE": places.source,
-            "SOURCE_LIMIT": places.source + source_bytes(geometry, places.pitch),
-            "TARGET_BASE": places.target,
-            "TARGET_LIMIT": places.target + target_bytes(geometry, data_width, form)}
+    return {"SOURCE_BASE": addresses.source,
+            "SOURCE_LIMIT": addresses.source + source_bytes(geometry, addresses.pitch),
+            "TARGET_BASE": addresses.target,
+            "TARGET_LIMIT": addresses.target + target_bytes(geometry, data_width, form)}
 
 
 def colour_values(colour):
@@ -61,7 +61,7 @@ def colour_values(colour):
             **{f"TONE{k}": node for k, node in enumerate(colour.tone)}}
 
 
-def host_values(descriptor, hardware=Hardware(), places=None, follow=False, colour=Colour(),
+def host_values(descriptor, hardware=Hardware(), addresses=None, follow=False, colour=Colour(),
                 neurons=None):
     """Register values, by name, that a host writes to correct frames of ``descriptor``'s camera.
 
@@ -70,7 +70,7 @@ def host_values(descriptor, hardware=Hardware(), places=None, follow=False, colo
     descriptor : Descriptor
     hardware : Hardware
         Its data width, split, strips, format and colour count; others are those of the corrector.
-    places : FramePlaces, optional
+    addresses : FrameAddresses, optional
         Those after reset if absent.
     follow : bool
         Whether the corrector begins before the raw frame is complete.
@@ -88,13 +88,13 @@ def host_values(descriptor, hardware=Hardware(), places=None, follow=False, colo
     g, form = descriptor.geometry, output_format(hardware.format)
     check_format(form, g)
     check_crest(colour.crest, g.interpolation)
-    places = places or FramePlaces.after_reset(g, hardware.data_width)
+    addresses = addresses or FrameAddresses.after_reset(g, hardware.data_width)
     origin_x, step_x, origin_y, step_y = g.scan()
     red, green, blue = g.fill
     return {
         **network_values(descriptor, neurons),
         "VALID_BANK": 0,
-        **place_values(g, hardware.data_width, places, form), "SOURCE_PITCH": places.pitch,
+        **address_values(g, hardware.data_width, addresses, form), "SOURCE_PITCH": addresses.pitch,
         "OUTPUT_FORMAT": form.code,
         "CORRECTED_WIDTH": g.corrected_width, "CORRECTED_HEIGHT": g.corrected_height,
         "DISTORTED_WIDTH": g.distorted_width, "DISTORTED_HEIGHT": g.distorted_height,

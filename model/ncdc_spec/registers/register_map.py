@@ -93,7 +93,7 @@ class Flag:
         return (self.mask & -self.mask).bit_length() - 1
 
     @property
-    def place(self):
+    def position(self):
         """The bits, for people."""
         return f"bit {self.bit}" if self.bit == self.low else f"bits {self.bit}:{self.low}"
 

@@ -1,6 +1,6 @@
 """Values of a system's registers after a reset: sizes and addresses for one camera."""
 
-from ncdc_spec.frames import FramePlaces, output_format, source_bytes, target_bytes
+from ncdc_spec.frames import FrameAddresses, output_format, source_bytes, target_bytes
 from ncdc_spec.registers.system_map import Stores
 from ncdc_spec.sensors.level import LINEAR
 
@@ -27,7 +27,7 @@ def _aligned(value):
 
 def _sizes(descriptor, hardware):
     """Pitch of raw frames, bytes of the buffers of a raw and of a corrected frame."""
-    pitch = FramePlaces.after_reset(descriptor.geometry, hardware.data_width).pitch
+    pitch = FrameAddresses.after_reset(descriptor.geometry, hardware.data_width).pitch
     return (pitch, _aligned(source_bytes(descriptor.geometry, pitch)),
             _aligned(target_bytes(descriptor.geometry, hardware.data_width,
                                   output_format(hardware.format))))

@@ -1,1 +1,1 @@
-"""Image sensors as data: registers, set-ups, limits, timing."""
+"""Image sensors as data: registers, initialisation, limits, timing."""

@@ -45,7 +45,7 @@ _FACTORY_BYPASS = 0x09          # bits 1..0: 0: the core's 10 bits go to the pin
 
 _FIRST_COLUMN, _FIRST_ROW = 60, 28      # D, values after reset
 _BLANKING = 0x204                       # columns; D, after reset of context B: what surely works
-_LEAST_VERTICAL = 4 + 7                 # lines; DS, R0x06: 4 + R0x22[2:0], which is 7 after reset
+_MIN_VERTICAL = 4 + 7                   # lines; DS, R0x06: 4 + R0x22[2:0], which is 7 after reset
 _OVERHEAD = 260                         # clocks; DS, page 130, and C, integration time
 
 SENSOR = Sensor(
@@ -58,7 +58,7 @@ SENSOR = Sensor(
     black=42 << 2,                      # D, R0x30: 42 of 1023 after reset
     clock_hz=36_000_000, pixel_clock_hz=36_000_000,     # C
     limits=Limits(step=1, corner_step=1, smallest=(17, 2),      # DS, R0x03, R0x04
-                  lines=(1, 0xFFFF), vertical=(_LEAST_VERTICAL, 0x7FFF),
+                  lines=(1, 0xFFFF), vertical=(_MIN_VERTICAL, 0x7FFF),
                   gain_256=(256, 127 * 256), pixel_clock_hz=36_000_000,    # C
                   frame_lines=1200 + 0x7FFF, reductions=((2, 1),)),
     user_registers=tuple(map(UserRegister, (_SHUTTER_WIDTH, *_COLOUR_GAINS, _GLOBAL_GAIN))),

@@ -41,8 +41,8 @@ _MARGIN_LEFT, _MARGIN_TOP = 16, 4       # of the window inside what is read; L, 
 _LONG_LINE, _LINE = 2844, 2500          # halves of a line's pixel clocks; L, 2592 and 1920 columns
 _LINE_COLUMNS = 1920                    # the most of the shorter line
 _REDUCED_LINE = 1896                    # L, of all modes that read every other pair
-_LEAST_VERTICAL = {1: 24, 2: 12}        # lines, by skip; L
-_MOST_LINES = 3375                      # of a frame; L
+_MIN_VERTICAL = {1: 24, 2: 12}          # lines, by skip; L
+_MAX_LINES = 3375                       # of a frame; L
 _EXPOSURE_MARGIN = 4                    # lines of a frame beyond the exposure; L
 _PREDIVIDER = 3                         # L: as vendors have it
 _OSCILLATOR = (500_000_000, 1_000_000_000)      # L
@@ -70,9 +70,9 @@ SENSOR = Sensor(
     black=16 << 2,                      # DS, black level target 0x4009 after reset: 16 of 1023
     clock_hz=24_000_000, pixel_clock_hz=96_000_000,
     limits=Limits(step=2, corner_step=2, smallest=(16, 16),
-                  lines=(1, _MOST_LINES - _EXPOSURE_MARGIN),
-                  vertical=(min(_LEAST_VERTICAL.values()), _MOST_LINES),
-                  gain_256=(256, 1023 * 16), pixel_clock_hz=96_000_000, frame_lines=_MOST_LINES,
+                  lines=(1, _MAX_LINES - _EXPOSURE_MARGIN),
+                  vertical=(min(_MIN_VERTICAL.values()), _MAX_LINES),
+                  gain_256=(256, 1023 * 16), pixel_clock_hz=96_000_000, frame_lines=_MAX_LINES,
                   reductions=((2, 1), (2, 2))),
     # L, 0x503D: bit 7 on, bits 3..2 kind of bars, bits 1..0 bars or squares.
     test_patterns={"ColorBar": 0x80},
@@ -89,7 +89,7 @@ def setup(settings):
     line = 2 * half_line
     lines = exposure_lines(SENSOR, asked, line, 0)
     total = frame_lines(SENSOR, asked, line, max(lines + _EXPOSURE_MARGIN,
-                                                 asked.height + _LEAST_VERTICAL[asked.skip]))
+                                                 asked.height + _MIN_VERTICAL[asked.skip]))
     gain = round(16 * factor_of(SENSOR, asked))
     mode = pattern_mode(SENSOR, asked)
     bins = _BIN if asked.bins > 1 else 0

@@ -6,7 +6,7 @@ from fractions import Fraction
 __all__ = ["Waking", "wake_times"]
 
 # What boards give at least, in us, whatever the sensor: supplies rise, and boards differ.
-_LEAST_RESET_US, _LEAST_REST_US = 5_000, 40_000
+_MIN_RESET_US, _MIN_REST_US = 5_000, 40_000
 _MARGIN = Fraction(23, 20)      # over what the data say
 
 
@@ -43,4 +43,4 @@ def wake_times(waking, clock_hz):
     """
     reset, rest = (-(-time * _MARGIN // 1) for time in (
         waking.reset_us, waking.rest_at(clock_hz)))
-    return max(_LEAST_RESET_US, int(reset)), max(_LEAST_REST_US, int(rest))
+    return max(_MIN_RESET_US, int(reset)), max(_MIN_REST_US, int(rest))

@@ -51,7 +51,7 @@ def _offset(name, same):
 
 def _text(register, text):
     flags = "; ".join(
-        f"{flag.place} `{flag.name}` ({flag.access}): {flag.text}" for flag in register.flags)
+        f"{flag.position} `{flag.name}` ({flag.access}): {flag.text}" for flag in register.flags)
     flags = flags and f"{flags[0].upper()}{flags[1:]}."
     return " ".join(part for part in (flags, text) if part)
 

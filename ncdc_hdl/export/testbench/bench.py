@@ -8,7 +8,7 @@ import numpy as np
 from ncdc_hdl.export.testbench.ports import ports_of_text
 from ncdc_model.golden.corrector import correct
 from ncdc_spec.frames import (
-    FramePlaces,
+    FrameAddresses,
     frame_bytes,
     output_format,
     raw_image,
@@ -51,7 +51,7 @@ class _Bench:
         self.corrector, self.module, self.name = corrector, module, f"{module}_tb"
         self.hardware, self.descriptor = corrector.hardware, corrector.descriptor
         self.geometry = self.descriptor.geometry
-        self.addresses = FramePlaces.after_reset(self.geometry, self.hardware.data_width)
+        self.addresses = FrameAddresses.after_reset(self.geometry, self.hardware.data_width)
         self.word = self.hardware.data_width // 8
         self.ports = {port.name: port for port in ports_of_text(verilog, module)}
         self.connections, self.wires, self.models = [], [], []

@@ -127,7 +127,7 @@ async def content_order_and_latency(dut):
     readers = [Reader(k, rng, gap=.3) for k in range(PORTS)]
     await read(dut, readers, content, timing, 1500)
     assert all(reader.commands > 10 for reader in readers)
-    assert not timing.get("wait_chance") or readers[0].waits > 100
+    assert not timing.get("wait_probability") or readers[0].waits > 100
     rest = successors(readers, rng, gap=1)
     await read(dut, rest, content, timing, 2000)
     assert not any(reader.due for reader in rest)
@@ -147,7 +147,7 @@ async def content_order_and_latency(dut):
 async def bandwidth_is_shared(dut):
     """Ports that ask without end get the whole rate together, and fair parts of it."""
     rng, clocks = random.Random(1), 2000
-    timing = await prepare(dut, dram=0, rate=400, wait_chance=0, latency_min=3, latency_max=3,
+    timing = await prepare(dut, dram=0, rate=400, wait_probability=0, latency_min=3, latency_max=3,
                            max_pending=16, granule=1)
     content = await fill(dut, rng)
     readers = [Reader(k, rng, gap=0) for k in range(PORTS)]

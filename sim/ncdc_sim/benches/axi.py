@@ -21,9 +21,9 @@ from cocotbext.axi import (
 from ncdc_model.golden.corrector import correct
 from ncdc_sim.benches.common import PERIOD, settings
 from ncdc_spec.descriptor import Descriptor
-from ncdc_spec.frames import FramePlaces, frame_bytes, raw_image, stored_picture
+from ncdc_spec.frames import FrameAddresses, frame_bytes, raw_image, stored_picture
 from ncdc_spec.hardware import Hardware
-from ncdc_spec.registers.host_values import host_values, place_values, table_words
+from ncdc_spec.registers.host_values import address_values, host_values, table_words
 from ncdc_spec.registers.register_map import CTRL_COMMIT, CTRL_START, STATUS_DONE, registers
 
 __all__ = ["frames_equal_model"]
@@ -122,8 +122,8 @@ async def frames_equal_model(dut):
         # The corrected frame crosses the end of a page in the middle of a burst.
         source, target = 2 * k * size, (2 * k + 1) * size + 4096 - 80
         peer.memories[0].write(source, raw_image(raw[k], pitch))
-        for name, value in place_values(g, s["data_width"],
-                                        FramePlaces(source, target, pitch)).items():
+        for name, value in address_values(g, s["data_width"],
+                                        FrameAddresses(source, target, pitch)).items():
             await peer.put(rows[name], value)
         await peer.put(rows["CTRL"], CTRL_COMMIT | CTRL_START)
         await with_timeout(RisingEdge(dut.irq), 20_000 * PERIOD, "ns")

@@ -8,10 +8,10 @@ from ncdc_sim.benches.avalon import Host, read_memory, write_memory
 from ncdc_sim.benches.common import clocks, settings, start
 from ncdc_sim.system.corrector import tiles_fetched
 from ncdc_spec.descriptor import Descriptor
-from ncdc_spec.frames import FramePlaces, frame_bytes, raw_image, stored_picture
+from ncdc_spec.frames import FrameAddresses, frame_bytes, raw_image, stored_picture
 from ncdc_spec.hardware import Hardware
 from ncdc_spec.interpolation import FAST
-from ncdc_spec.registers.host_values import host_values, place_values, table_words
+from ncdc_spec.registers.host_values import address_values, host_values, table_words
 from ncdc_spec.registers.register_map import CTRL_COMMIT, CTRL_START, STATUS_DONE, registers
 
 __all__ = ["two_frames_equal_model"]
@@ -52,7 +52,7 @@ async def two_frames_equal_model(dut):
     await host.write(rows["IRQ_ENABLE"], 1)
     await host.write(rows["CTRL"], CTRL_COMMIT | CTRL_START)
     await clocks(dut, 4)
-    for name, value in place_values(g, 32, FramePlaces(2 * size, 3 * size, pitch)).items():
+    for name, value in address_values(g, 32, FrameAddresses(2 * size, 3 * size, pitch)).items():
         await host.write(rows[name], value)
     await host.write(rows["CTRL"], CTRL_COMMIT | CTRL_START)
     for k in range(2):

@@ -149,7 +149,7 @@ async def c_driver_names_errors(dut):
         assert library.ncdc_load(here, ctypes.byref(wide)) == 0
         lens, small = ctypes.byref(wide), Buffer(bench.target, 64)
         assert library.ncdc_altered(here) == 1, "loaded"
-        assert library.ncdc_place(here, lens, bench.sources, ctypes.byref(small)) == 10, "room"
+        assert library.ncdc_place(here, lens, bench.sources, ctypes.byref(small)) == 10, "too small"
         odd = Buffer(bench.source[0] + 2, _STEP - 2)
         assert library.ncdc_place(here, lens, ctypes.byref(odd), bench.targets) == 9, "alignment"
         assert library.ncdc_place(here, lens, bench.sources, bench.targets) == 0

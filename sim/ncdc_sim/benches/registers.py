@@ -21,7 +21,7 @@ from ncdc_spec.registers.register_map import (
     registers,
 )
 
-__all__ = ["every_bit_is_kept", "frame_boundary", "reset_values", "table_of_valid_rows"]
+__all__ = ["every_bit_is_stored", "frame_boundary", "reset_values", "table_of_valid_rows"]
 
 
 async def prepare(dut):
@@ -45,7 +45,7 @@ async def reset_values(dut):
 
 
 @cocotb.test()
-async def every_bit_is_kept(dut):
+async def every_bit_is_stored(dut):
     """Written values are read back, cut to the register's width and extended by its sign."""
     host, rows, _ = await prepare(dut)
     rng = random.Random(1)

@@ -13,7 +13,7 @@ from cocotb.triggers import FallingEdge, ReadOnly
 
 from ncdc_sim.benches.common import clocks, settings, start
 
-__all__ = ["bursts_are_kept", "registers_are_kept"]
+__all__ = ["bursts_store_their_words", "registers_store_their_words"]
 
 _WORDS = 256            # of the memory and of the registers
 _TIMEOUT = 4000        # clocks for one burst
@@ -85,7 +85,7 @@ async def _accepted(dut, limit=_TIMEOUT):
 
 # A design is one bridge: the test of the others has nothing to drive.
 @cocotb.test(skip=settings()["bridge"] == "wishbone")
-async def bursts_are_kept(dut):
+async def bursts_store_their_words(dut):
     """Random bursts; after each one, the words are those that were written, or unchanged."""
     s = settings()
     rng, reads = random.Random(s["seed"]), s["bridge"] == "reader"
@@ -181,7 +181,7 @@ async def _write(dut, controller, rng, address, count, gap, cut):
 
 
 @cocotb.test(skip=settings()["bridge"] != "wishbone")
-async def registers_are_kept(dut):
+async def registers_store_their_words(dut):
     """Random accesses of a host that gives some of them up; registers that take their time."""
     s = settings()
     rng = random.Random(s["seed"])

@@ -151,7 +151,7 @@ class NetworkRun:
             "clk_period": 10**12 // model.design.core_hz, "line_period": 10**12 // LINE_HZ,
             "extclk_period": 10**12 // _PIXEL_CLOCK_HZ,
             "pixel_period": round(1e6 / model.design.clocks.pixel_mhz) if self._screen else 0,
-            "pace": _PACE, "poll": _POLL, "patience": _TIMEOUT}
+            "pace": _PACE, "poll": _POLL, "timeout": _TIMEOUT}
         self._process = subprocess.Popen(
             [*command_of(model.program), *(f"+{key}={value}" for key, value in settings.items()),
              *model.light.plusargs("sensor.bin", model.design.time_scale)], cwd=folder,

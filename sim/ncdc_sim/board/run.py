@@ -44,7 +44,7 @@ class BoardRun:
     serial : bytes
         Output of the serial port.
     scans : list of int
-        Output of the JTAG scan chain, a number for each scan.
+        Output of JTAG, a number for each scan.
     sent : list of Passed
         Ethernet frames that were sent, without preamble and check sequence.
     leds : list of (int, int)

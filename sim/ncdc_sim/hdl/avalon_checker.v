@@ -54,7 +54,7 @@ module avalon_checker #(
     reg [DATA_WIDTH-1:0]   mask;
     integer                lane;
 
-    task breach(input [8*16-1:0] rule);
+    task violation(input [8*16-1:0] rule);
         begin
             if (errors < 20)
                 $display("AVALON-ERROR %0s %0s %0t", NAME, rule, $time);
@@ -78,12 +78,12 @@ module avalon_checker #(
             due = 0;
         end else begin
             if (^{read, write, waitrequest, readdatavalid} === 1'bx)
-                breach("unknown");
+                violation("unknown");
             if (was_waiting && (read !== was_read || write !== was_write
                     || burstcount !== was_burstcount
                     || (write_left == 0 && address !== was_address)
                     || (write && (writedata !== was_writedata || byteenable !== was_byteenable))))
-                breach("held");
+                violation("held");
 
             if ((read || write) && !was_waiting) begin
                 mask = 0;
@@ -92,26 +92,26 @@ module avalon_checker #(
                         mask[8*lane +: 8] = 8'hFF;
                 if (^{write_left == 0 ? address : 32'd0, burstcount,
                       write ? byteenable : {LANES{1'b0}}, writedata & mask} === 1'bx)
-                    breach("unknown");
+                    violation("unknown");
                 if (read && write)
-                    breach("read-and-write");
+                    violation("read-and-write");
                 if (read && write_left != 0)
-                    breach("read-in-write");
+                    violation("read-in-write");
                 if (write && write_left != 0) begin
                     if (burstcount !== was_burstcount)
-                        breach("burst-constant");
+                        violation("burst-constant");
                 end else begin
                     if (32'd0 + burstcount - 32'd1 >= MAX_BURST)     // 0 too
-                        breach("burst-range");
+                        violation("burst-range");
                     if (address % LANES != 0)
-                        breach("aligned");
+                        violation("aligned");
                 end
             end
 
             // Before the beats of this edge's own command: data cannot come with its command.
             if (readdatavalid) begin
                 if (due == 0)
-                    breach("unrequested");
+                    violation("unrequested");
                 else
                     due = due - 1;
                 beats = beats + 1;

@@ -2,8 +2,8 @@
 // storage, timed by run-time settings. Rules and presets: model/ncdc_model/planner/memory_timing.py.
 //
 // Read data returns in order on each port. Each port stalls a command while it holds
-// `max_pending` unfinished read commands, and at random in `wait_chance` of 256 clocks, idle ones
-// included. All outputs come from registers.
+// `max_pending` unfinished read commands, and at random in `wait_probability` of 256 clocks, idle
+// ones included. All outputs come from registers.
 //
 // Two kinds of timing:
 //   latency   (dram = 0) A read command accepted at clock edge t delivers its first beat at edge
@@ -56,7 +56,7 @@ module avalon_memory #(
     localparam QUEUE = 256;             // pieces of writes not yet scheduled
 
     // Settings.
-    reg [31:0] dram, latency_min, latency_max, rate, granule, wait_chance, max_pending, seed;
+    reg [31:0] dram, latency_min, latency_max, rate, granule, wait_probability, max_pending, seed;
     reg [31:0] controller_clocks, write_batch;
 
     initial begin
@@ -65,7 +65,7 @@ module avalon_memory #(
         if (!$value$plusargs("latency_max=%d", latency_max)) latency_max = latency_min;
         if (!$value$plusargs("rate=%d", rate)) rate = 256 * (PORTS + 1);
         if (!$value$plusargs("granule=%d", granule)) granule = 1;
-        if (!$value$plusargs("wait_chance=%d", wait_chance)) wait_chance = 0;
+        if (!$value$plusargs("wait_probability=%d", wait_probability)) wait_probability = 0;
         if (!$value$plusargs("max_pending=%d", max_pending)) max_pending = 64;
         if (!$value$plusargs("seed=%d", seed)) seed = 1;
         if (!$value$plusargs("controller_clocks=%d", controller_clocks)) controller_clocks = 1;
@@ -94,12 +94,12 @@ module avalon_memory #(
     integer credit;                             // 256 pay for one beat
     reg     granted;                            // one write beat is paid for
 
-    // Timing by rows. Commands with accesses still to be scheduled are the last `unplaced`
-    // of those held; the first of them has bytes place_from..place_end to go if `started`.
-    integer    unplaced   [0:PORTS-1];
+    // Timing by rows. Commands with accesses still to be scheduled are the last `unscheduled`
+    // of those held; the first of them has bytes rest_from..rest_end to go if `started`.
+    integer    unscheduled [0:PORTS-1];
     reg [PORTS-1:0] started;
-    reg [31:0] place_from [0:PORTS-1];
-    reg [31:0] place_end  [0:PORTS-1];
+    reg [31:0] rest_from [0:PORTS-1];
+    reg [31:0] rest_end  [0:PORTS-1];
     reg [31:0] due_at     [0:PORTS*RETURN-1];   // memory clock of each beat under way
     integer    due_head   [0:PORTS-1];
     integer    due_count  [0:PORTS-1];
@@ -209,7 +209,7 @@ module avalon_memory #(
             for (p = 0; p < PORTS; p = p + 1) begin
                 head[p] = 0;
                 held[p] = 0;
-                unplaced[p] = 0;
+                unscheduled[p] = 0;
                 due_head[p] = 0;
                 due_count[p] = 0;
             end
@@ -229,7 +229,7 @@ module avalon_memory #(
             held[p] = held[p] + 1;
             if (dram) begin
                 ready_at[slot] = now + controller_clocks;
-                unplaced[p] = unplaced[p] + 1;
+                unscheduled[p] = unscheduled[p] + 1;
             end else begin
                 cost_of[slot] = left_of[slot] < granule ? 256 * (granule - left_of[slot] + 1)
                                                         : 256;
@@ -323,17 +323,17 @@ module avalon_memory #(
             may_read = 0;
             q = turn;
             for (k = 0; k < PORTS; k = k + 1) begin
-                slot = head[q] + held[q] - unplaced[q];
+                slot = head[q] + held[q] - unscheduled[q];
                 slot = q * PENDING + (slot >= PENDING ? slot - PENDING : slot);
-                if (!may_read && unplaced[q] != 0 && ready_at[slot] <= now) begin
+                if (!may_read && unscheduled[q] != 0 && ready_at[slot] <= now) begin
                     if (!started[q]) begin
-                        place_from[q] = word_of[slot] * LANES;
-                        place_end[q] = place_from[q] + left_of[slot] * LANES;
+                        rest_from[q] = word_of[slot] * LANES;
+                        rest_end[q] = rest_from[q] + left_of[slot] * LANES;
                         started[q] = 1;
                     end
                     p = q;
-                    from = place_from[p];
-                    upto = access_end(from, place_end[p]);
+                    from = rest_from[p];
+                    upto = access_end(from, rest_end[p]);
                     may_read = due_count[p] + upto / LANES - from / LANES <= RETURN;
                 end
                 q = q == PORTS - 1 ? 0 : q + 1;
@@ -341,29 +341,29 @@ module avalon_memory #(
         end
     endtask
 
-    task place_read;
+    task schedule_read;
         begin
-            dram_timing.place(1'b0, from, upto, data_start);
+            dram_timing.schedule(1'b0, from, upto, data_start);
             for (k = from / LANES + 1; k <= upto / LANES; k = k + 1) begin
                 due_at[p * RETURN + (due_head[p] + due_count[p]) % RETURN] =
                     data_start + dram_timing.words(from, k * LANES) * dram_timing.word_clocks;
                 due_count[p] = due_count[p] + 1;
             end
-            place_from[p] = upto;
+            rest_from[p] = upto;
             turn = p;
-            if (upto == place_end[p]) begin
+            if (upto == rest_end[p]) begin
                 started[p] = 0;
-                unplaced[p] = unplaced[p] - 1;
+                unscheduled[p] = unscheduled[p] - 1;
                 turn = p == PORTS - 1 ? 0 : p + 1;
             end
         end
     endtask
 
-    task place_write;
+    task schedule_write;
         begin
             from = piece_from[piece_head];
             upto = access_end(from, piece_end[piece_head]);
-            dram_timing.place(1'b1, from, upto, data_start);
+            dram_timing.schedule(1'b1, from, upto, data_start);
             queued = queued - 1;
             piece_from[piece_head] = upto;
             if (upto == piece_end[piece_head]) begin
@@ -399,9 +399,9 @@ module avalon_memory #(
                 if (writing ? may_write : may_read) begin
                     batch = batch + 1;
                     if (writing)
-                        place_write;
+                        schedule_write;
                     else
-                        place_read;
+                        schedule_read;
                 end
             end
         end
@@ -427,11 +427,11 @@ module avalon_memory #(
             for (p = 0; p < PORTS; p = p + 1) begin
                 random = shuffle(random);
                 read_waitrequest[p] <= held[p] >= max_pending || held[p] >= PENDING
-                                       || random[15:8] < wait_chance;
+                                       || random[15:8] < wait_probability;
             end
             random = shuffle(random);
             write_waitrequest <= (dram ? queued + accesses(0, LANES) > 2 * write_batch : !granted)
-                                 || random[15:8] < wait_chance;
+                                 || random[15:8] < wait_probability;
         end
         errors <= range_errors + dram_timing.errors;
     end

@@ -46,7 +46,7 @@ module axi_checker #(
     output reg  [31:0]             reads, writes, words_read, words_written
 );
     localparam LANES = DATA_WIDTH / 8;
-    localparam PLACES = 64;             // of the queues below
+    localparam DEPTH = 64;             // of the queues below
     localparam ADDRESS = 32 + 8 + 3 + 2 + 1 + 1;
 
     wire [ADDRESS-1:0] ar = {araddr, arlen, arsize, arburst, arlock, arid};
@@ -60,9 +60,9 @@ module axi_checker #(
     reg [DATA_WIDTH+LANES:0] w_was;
     reg [DATA_WIDTH+3:0] r_was;
     reg [2:0] b_was;
-    reg [7:0]  read_len [0:PLACES-1];   // of bursts accepted, the oldest at read_head
+    reg [7:0]  read_len [0:DEPTH-1];   // of bursts accepted, the oldest at read_head
     reg [31:0] read_head, read_count, read_beat;
-    reg [7:0]  write_len [0:PLACES-1];  // of bursts offered whose words are not complete
+    reg [7:0]  write_len [0:DEPTH-1];  // of bursts offered whose words are not complete
     reg [31:0] write_head, write_count, write_beat;
     reg [31:0] complete;                // bursts with address and words accepted, not answered
     reg [31:0] addresses, bodies;       // bursts whose address is accepted, whose words are
@@ -70,7 +70,7 @@ module axi_checker #(
     reg        aw_seen;                 // the address that is offered is in the queue
     reg [1:0]  low;                     // clocks of reset
 
-    task breach(input [8*16-1:0] rule);
+    task violation(input [8*16-1:0] rule);
         begin
             if (errors < 40)
                 $display("AXI-ERROR %0s %0s %0t", NAME, rule, $time);
@@ -84,9 +84,9 @@ module axi_checker #(
         begin
             if (burst !== 2'b01 || (1 << size) != LANES || addr % LANES != 0
                     || 32'd0 + len >= MAX_BURST || lock !== 0 || id !== 0)
-                breach("burst");
+                violation("burst");
             if (addr[31:12] != ((addr + LANES * (32'd1 + len) - 1) >> 12))
-                breach("page");
+                violation("page");
         end
     endtask
 
@@ -109,55 +109,55 @@ module axi_checker #(
             forget;
             if (low == 3) begin
                 if (arvalid !== 0 || awvalid !== 0 || wvalid !== 0)
-                    breach("in-reset");
+                    violation("in-reset");
             end else
                 low = low + 1;
         end else begin
             low = 0;
             if (^{arvalid, awvalid, wvalid, rready, bready, rvalid, bvalid, arready, awready,
                   wready} === 1'bx)
-                breach("unknown");
+                violation("unknown");
             if ((ar_waits && (arvalid !== 1 || ar !== ar_was))
                     || (aw_waits && (awvalid !== 1 || aw !== aw_was))
                     || (w_waits && (wvalid !== 1 || w !== w_was))
                     || (r_waits && (rvalid !== 1 || r !== r_was))
                     || (b_waits && (bvalid !== 1 || b !== b_was)))
-                breach("held");
+                violation("held");
 
             // Reads: words of bursts of earlier clocks, then this clock's burst.
             if (rvalid === 1 && rready === 1) begin
                 words_read = words_read + 1;
                 if (read_count == 0)
-                    breach("unrequested");
+                    violation("unrequested");
                 else begin
                     if (rlast !== (read_beat == read_len[read_head]) || rid !== 0)
-                        breach("read-last");
+                        violation("read-last");
                     read_beat = read_beat + 1;
                     if (read_beat > read_len[read_head]) begin
                         read_beat = 0;
-                        read_head = (read_head + 1) % PLACES;
+                        read_head = (read_head + 1) % DEPTH;
                         read_count = read_count - 1;
                     end
                 end
             end
             if (arvalid === 1 && !ar_waits) begin
                 if (^ar === 1'bx)
-                    breach("unknown");
+                    violation("unknown");
                 else
                     address(araddr, arlen, arsize, arburst, arlock, arid);
                 if (read_count >= PENDING)
-                    breach("outstanding");
+                    violation("outstanding");
             end
             if (arvalid === 1 && arready === 1) begin
                 reads = reads + 1;
-                read_len[(read_head + read_count) % PLACES] = arlen;
+                read_len[(read_head + read_count) % DEPTH] = arlen;
                 read_count = read_count + 1;
             end
 
             // Writes: answers to what was complete before this clock.
             if (bvalid === 1 && !b_waits) begin
                 if (complete == 0)
-                    breach(addresses == 0 && bodies == 0 && write_count == 0 ? "unrequested"
+                    violation(addresses == 0 && bodies == 0 && write_count == 0 ? "unrequested"
                                                                             : "answer-early");
             end
             if (bvalid === 1 && bready === 1 && complete != 0) begin
@@ -167,29 +167,29 @@ module axi_checker #(
             if (awvalid === 1 && !aw_seen) begin
                 aw_seen = 1;
                 if (^aw === 1'bx)
-                    breach("unknown");
+                    violation("unknown");
                 else
                     address(awaddr, awlen, awsize, awburst, awlock, awid);
                 if (owed >= PENDING)
-                    breach("outstanding");
+                    violation("outstanding");
                 owed = owed + 1;
-                write_len[(write_head + write_count) % PLACES] = awlen;
+                write_len[(write_head + write_count) % DEPTH] = awlen;
                 write_count = write_count + 1;
             end
             if (wvalid === 1 && !w_waits) begin
                 if (^{wlast, wstrb} === 1'bx)
-                    breach("unknown");
+                    violation("unknown");
                 if (write_count == 0)
-                    breach("no-address");
+                    violation("no-address");
                 else if (wlast !== (write_beat == write_len[write_head]))
-                    breach("last");
+                    violation("last");
             end
             if (wvalid === 1 && wready === 1) begin
                 words_written = words_written + 1;
                 write_beat = write_beat + 1;
                 if (write_count != 0 && write_beat > write_len[write_head]) begin
                     write_beat = 0;
-                    write_head = (write_head + 1) % PLACES;
+                    write_head = (write_head + 1) % DEPTH;
                     write_count = write_count - 1;
                     bodies = bodies + 1;
                 end

@@ -27,14 +27,14 @@ module axi_read_memory #(
     input  wire [DATA_WIDTH-1:0]  readdata,
     input  wire                   readdatavalid
 );
-    localparam PLACES = 64;
-    integer    chance, seed, failing;
+    localparam DEPTH = 64;
+    integer    wait_probability, seed, failing;
     reg        open = 1;                // a command may pass
     reg [31:0] random, head, count, beat, bursts;
-    reg [7:0]  length [0:PLACES-1];     // of bursts that are read, the oldest at head
+    reg [7:0]  length [0:DEPTH-1];     // of bursts that are read, the oldest at head
 
     initial begin
-        if (!$value$plusargs("axi_wait=%d", chance)) chance = 0;
+        if (!$value$plusargs("axi_wait=%d", wait_probability)) wait_probability = 0;
         if (!$value$plusargs("axi_seed=%d", seed)) seed = 1;
         if (!$value$plusargs("axi_fail=%d", failing)) failing = 0;
         random = 32'h2545F491 ^ (32'h9E3779B9 * (seed + 3 * NUMBER));
@@ -53,7 +53,7 @@ module axi_read_memory #(
         random = random ^ (random << 5);
         // What has been shown to the memory stays until it is taken.
         if (!read || !waitrequest)
-            open <= random[15:8] >= chance;
+            open <= random[15:8] >= wait_probability;
         if (memory_rst) begin
             count = 0;
             beat = 0;
@@ -62,11 +62,11 @@ module axi_read_memory #(
                 beat <= rlast ? 0 : beat + 1;
                 if (rlast) begin
                     bursts <= bursts + 1;
-                    head <= (head + 1) % PLACES;
+                    head <= (head + 1) % DEPTH;
                 end
             end
             if (arvalid && arready)
-                length[(head + count) % PLACES] <= arlen;
+                length[(head + count) % DEPTH] <= arlen;
             count <= count + (arvalid && arready) - (rvalid && rlast);
         end
     end
@@ -96,19 +96,19 @@ module axi_write_memory #(
     input  wire                    waitrequest,
     output wire                    unanswered       // a burst that is begun has no answer yet
 );
-    localparam PLACES = 64;
-    integer    chance, seed, failing, late;
+    localparam DEPTH = 64;
+    integer    wait_probability, seed, failing, late;
     reg        named_open = 1, open = 1;        // an address, a word may pass
     reg [31:0] random, now, bursts;
     reg [31:0] head, count;                     // of addresses that are stored
-    reg [31:0] place [0:PLACES-1];
-    reg [7:0]  length [0:PLACES-1];
+    reg [31:0] stored [0:DEPTH-1];
+    reg [7:0]  length [0:DEPTH-1];
     reg [31:0] due_head, due_count;             // of answers
-    reg [31:0] due [0:PLACES-1];                // their earliest clocks
+    reg [31:0] due [0:DEPTH-1];                // their earliest clocks
     reg [31:0] last_due;
 
     initial begin
-        if (!$value$plusargs("axi_wait=%d", chance)) chance = 0;
+        if (!$value$plusargs("axi_wait=%d", wait_probability)) wait_probability = 0;
         if (!$value$plusargs("axi_answer=%d", late)) late = 0;
         if (!$value$plusargs("axi_seed=%d", seed)) seed = 1;
         if (!$value$plusargs("axi_fail=%d", failing)) failing = 0;
@@ -119,7 +119,7 @@ module axi_write_memory #(
     // Of the burst whose words come: an address that comes in this clock counts.
     wire there = count != 0 || awvalid && awready;
     assign awready = named_open && count < 8;
-    assign address = count != 0 ? place[head] : awaddr;
+    assign address = count != 0 ? stored[head] : awaddr;
     assign burstcount = (count != 0 ? length[head] : awlen) + 1;
     assign write = wvalid && there && open;
     assign wready = there && open && !waitrequest;
@@ -138,24 +138,24 @@ module axi_write_memory #(
         random = random ^ (random >> 17);
         random = random ^ (random << 5);
         // An address is stored here if it is taken before its words are; words that were shown stay.
-        named_open <= random[7:0] >= chance;
+        named_open <= random[7:0] >= wait_probability;
         if (!write || !waitrequest)
-            open <= random[15:8] >= chance;
+            open <= random[15:8] >= wait_probability;
         if (memory_rst) begin
             count <= 0;
             due_count <= 0;
         end else begin
             if (awvalid && awready) begin
-                place[(head + count) % PLACES] <= awaddr;
-                length[(head + count) % PLACES] <= awlen;
+                stored[(head + count) % DEPTH] <= awaddr;
+                length[(head + count) % DEPTH] <= awlen;
             end
             if (ended) begin
-                head <= (head + 1) % PLACES;
-                due[(due_head + due_count) % PLACES] <= next_due;
+                head <= (head + 1) % DEPTH;
+                due[(due_head + due_count) % DEPTH] <= next_due;
                 last_due <= next_due;
             end
             if (bvalid && bready) begin
-                due_head <= (due_head + 1) % PLACES;
+                due_head <= (due_head + 1) % DEPTH;
                 bursts <= bursts + 1;
             end
             count <= count + (awvalid && awready) - ended;
@@ -182,12 +182,12 @@ module axi_lite_host #(
     input  wire [31:0]             rdata,
     input  wire [1:0]              rresp, bresp
 );
-    integer    chance;
+    integer    wait_probability;
     reg [31:0] random;
     reg        named, given, asked, over;       // what the access has done
 
     initial begin
-        if (!$value$plusargs("axi_wait=%d", chance)) chance = 0;
+        if (!$value$plusargs("axi_wait=%d", wait_probability)) wait_probability = 0;
         random = 32'h1B873593;
         {named, given, asked, over} = 0;
         {awvalid, wvalid, arvalid, rready, bready, readdatavalid} = 0;
@@ -206,22 +206,22 @@ module axi_lite_host #(
             {named, given, asked, over} <= 0;
             {awvalid, wvalid, arvalid, rready, bready} <= 0;
         end else begin
-            rready <= random[23:16] >= chance;
-            bready <= random[31:24] >= chance;
+            rready <= random[23:16] >= wait_probability;
+            bready <= random[31:24] >= wait_probability;
             if (awvalid && awready) awvalid <= 0;
             if (wvalid && wready) wvalid <= 0;
             if (arvalid && arready) arvalid <= 0;
             if (write && waitrequest && !over) begin
-                if (!named && random[7:0] >= chance) begin
+                if (!named && random[7:0] >= wait_probability) begin
                     awvalid <= 1;
                     named <= 1;
                 end
-                if (!given && random[15:8] >= chance) begin
+                if (!given && random[15:8] >= wait_probability) begin
                     wvalid <= 1;
                     given <= 1;
                 end
             end
-            if (read && waitrequest && !over && !asked && random[7:0] >= chance) begin
+            if (read && waitrequest && !over && !asked && random[7:0] >= wait_probability) begin
                 arvalid <= 1;
                 asked <= 1;
             end

@@ -1,6 +1,6 @@
 // The buses of the module under test, their checkers, the memory and the stream's sink: for the body
-// of a bench that has `clk`, `rst`, `module_rst`, `memory_rst`, `sink_chance`, DW, PORTS, BW, WBW and
-// PIXELS, the name of the file for the stream. While `stalled` the memory takes nothing.
+// of a bench that has `clk`, `rst`, `module_rst`, `memory_rst`, `sink_probability`, DW, PORTS, BW, WBW
+// and PIXELS, the name of the file for the stream. While `stalled` the memory takes nothing.
     wire [PORTS*32-1:0] read_address;
     wire [PORTS-1:0]    read_read, read_waitrequest, read_readdatavalid;
     wire [PORTS*BW-1:0] read_burstcount;
@@ -98,7 +98,7 @@
         sink_random = sink_random ^ (sink_random << 13);
         sink_random = sink_random ^ (sink_random >> 17);
         sink_random = sink_random ^ (sink_random << 5);
-        stream_ready <= sink_random[15:8] < sink_chance;
+        stream_ready <= sink_random[15:8] < sink_probability;
         if (!rst && stream_valid && stream_ready)
             for (lane = 0; lane < SP; lane = lane + 1) begin
                 $fwrite(pixels, "%c%c%c", stream_data[24*lane+16 +: 8],

@@ -38,7 +38,7 @@ namespace {
 constexpr int kCore = NCDC_CORE, kMargin = NCDC_MARGIN, kAfter = kCore + kMargin - 1;
 constexpr int kHeight = NCDC_TILE_HEIGHT, kRows = NCDC_TILE_ROWS, kBanks = 2 * kRows;
 constexpr int kLanes = NCDC_LANES, kWord = NCDC_DATA_WIDTH / 8, kSets = NCDC_TILES / kBanks;
-constexpr int kPlace = NCDC_PLACE;          // bits of fx and of fy
+constexpr int kFraction = NCDC_FRACTION_BITS;   // bits of fx and of fy
 
 struct Random {
     std::uint64_t state;
@@ -48,7 +48,7 @@ struct Random {
     }
     std::uint32_t below(std::uint32_t n) { return static_cast<std::uint64_t>(next()) * n >> 32; }
     int between(int low, int high) { return low + static_cast<int>(below(high - low + 1)); }
-    bool chance(int of256) { return static_cast<int>(below(256)) < of256; }
+    bool bernoulli(int of256) { return static_cast<int>(below(256)) < of256; }
 };
 
 std::uint8_t sample(std::uint32_t address) {
@@ -132,11 +132,11 @@ public:
     std::uint64_t windows = 0, wrong = 0, clocks = 0, tiles = 0, frames = 0, reset_count = 0;
 
 private:
-    void place() {
+    void choose_area() {
         // With a margin, a window may not leave the frame on both sides.
         const int least = kMargin ? 8 : kCore;
-        f.width = random.chance(32) ? random.between(least, 40) : random.between(least, 4096);
-        f.height = random.chance(32) ? random.between(least, 20) : random.between(least, 4096);
+        f.width = random.bernoulli(32) ? random.between(least, 40) : random.between(least, 4096);
+        f.height = random.bernoulli(32) ? random.between(least, 20) : random.between(least, 4096);
         f.pitch = (f.width + 15) / 16 * 16 + 16 * random.below(8);
         int splits = 1;
         while (1 << splits < 2 * kSets) splits++;
@@ -151,40 +151,41 @@ private:
 
     void choose(std::uint64_t limit) {
         // Half of the frames are where the one before was, at another base.
-        if (f.groups == 0 || random.chance(128)) place();
+        if (f.groups == 0 || random.bernoulli(128)) choose_area();
         f.base = 16 * random.below(1 << 26);
         // Half of the buffers end with the frame: no byte after it is read.
-        f.limit = f.base + f.pitch * f.height + (random.chance(128) ? 0 : 4 * f.pitch);
+        f.limit = f.base + f.pitch * f.height + (random.bernoulli(128) ? 0 : 4 * f.pitch);
         f.pattern = random.below(4);
-        f.blank = random.chance(64) ? random.below(256) : 20;
-        f.gap = random.chance(128) ? 0 : random.below(200);
-        f.stall = random.chance(128) ? 0 : random.below(200);
-        f.wait = random.chance(128) ? 0 : random.below(220);
-        f.latency = random.chance(64) ? 1 : random.between(1, 100);
-        f.pause = random.chance(128) ? 0 : random.below(40);
+        f.blank = random.bernoulli(64) ? random.below(256) : 20;
+        f.gap = random.bernoulli(128) ? 0 : random.below(200);
+        f.stall = random.bernoulli(128) ? 0 : random.below(200);
+        f.wait = random.bernoulli(128) ? 0 : random.below(220);
+        f.latency = random.bernoulli(64) ? 1 : random.between(1, 100);
+        f.pause = random.bernoulli(128) ? 0 : random.below(40);
         f.groups = std::min<std::uint64_t>(limit, random.between(1, 1 << random.between(3, 12)));
-        f.reset_after = random.chance(resets) ? random.between(1, static_cast<int>(f.groups)) : 0;
+        f.reset_after = random.bernoulli(resets)
+                            ? random.between(1, static_cast<int>(f.groups)) : 0;
     }
 
     // 0: anywhere in the area, 1: a walk, 2: along rows, 3: along columns, with jumps in all.
     Group next_group() {
         Group group;
         for (Pixel& p : group.lane) {
-            const bool jump = f.pattern == 0 || random.chance(4);
+            const bool jump = f.pattern == 0 || random.bernoulli(4);
             if (jump) {
                 x = f.area_x + random.below(f.area_w), y = f.area_y + random.below(f.area_h);
             } else if (f.pattern == 1) {
                 x += random.between(-3, 3), y += random.between(-1, 1);
             } else if (f.pattern == 2) {
-                x += random.between(0, 2), y += random.chance(8);
+                x += random.between(0, 2), y += random.bernoulli(8);
                 if (x >= f.area_x + f.area_w) x = f.area_x, y++;
             } else {
-                y += random.between(0, 2), x += random.chance(8);
+                y += random.between(0, 2), x += random.bernoulli(8);
                 if (y >= f.area_y + f.area_h) y = f.area_y, x++;
             }
             if (x < f.area_x || x >= f.area_x + f.area_w) x = f.area_x;
             if (y < f.area_y || y >= f.area_y + f.area_h) y = f.area_y;
-            p.x = x, p.y = y, p.blank = random.chance(f.blank);
+            p.x = x, p.y = y, p.blank = random.bernoulli(f.blank);
         }
         group.first = sent == 0;
         group.last = sent == f.groups - 1;
@@ -194,17 +195,18 @@ private:
     }
 
     // First and last sample in the frame of the window of a coordinate.
-    static std::uint32_t first(std::uint32_t place) {
-        return place < kMargin ? 0 : place - kMargin;
+    static std::uint32_t first(std::uint32_t position) {
+        return position < kMargin ? 0 : position - kMargin;
     }
 
-    static std::uint32_t last(std::uint32_t place, std::uint32_t size) {
-        return kMargin ? std::min(place + kAfter, size - 1) : place + kAfter;
+    static std::uint32_t last(std::uint32_t position, std::uint32_t size) {
+        return kMargin ? std::min(position + kAfter, size - 1) : position + kAfter;
     }
 
     // Mirrored about the first or last column, or row.
-    static std::uint32_t inside(int place, int size) {
-        return place < 0 ? -place : kMargin && place >= size ? 2 * (size - 1) - place : place;
+    static std::uint32_t inside(int position, int size) {
+        if (position < 0) return -position;
+        return kMargin && position >= size ? 2 * (size - 1) - position : position;
     }
 
     // Steps of row, or column, k of a window from its core.
@@ -249,7 +251,7 @@ private:
 
     void step() {
         // Source.
-        if (!offered && sent < f.groups && !random.chance(f.gap)) {
+        if (!offered && sent < f.groups && !random.bernoulli(f.gap)) {
             current = next_group();
             offered = true;
             for (int k = 0; k < kLanes; k++) {
@@ -257,8 +259,8 @@ private:
                 const int at = k * I_LANE;
                 put(dut->PORT(i, payload), I_X0 + at, 12, p.x);
                 put(dut->PORT(i, payload), I_Y0 + at, 12, p.y);
-                put(dut->PORT(i, payload), I_FX + at, kPlace, current.number + k);
-                put(dut->PORT(i, payload), I_FY + at, kPlace, (current.number >> kPlace) ^ k);
+                put(dut->PORT(i, payload), I_FX + at, kFraction, current.number + k);
+                put(dut->PORT(i, payload), I_FY + at, kFraction, (current.number >> kFraction) ^ k);
                 put(dut->PORT(i, payload), I_BLANK + at, 1, p.blank);
 #if NCDC_MARGIN
                 put(dut->PORT(i, payload), I_EDGE_X + at, 3, edge(p.x, f.width));
@@ -269,7 +271,7 @@ private:
             put(dut->PORT(i, payload), I_LAST, 1, current.last);
         }
         dut->PORT(i, valid) = offered;
-        dut->PORT(o, ready) = !random.chance(f.stall);
+        dut->PORT(o, ready) = !random.bernoulli(f.stall);
         clock();
     }
 
@@ -277,13 +279,13 @@ private:
     void clock() {
         // Memory.
         const bool answer = !due.empty() && due.front().ready <= clocks
-                            && !random.chance(f.wait / 4);
+                            && !random.bernoulli(f.wait / 4);
         dut->PORT(bus0, readdatavalid) = answer;
         for (int k = 0; k < kWord; k++)
             put(dut->PORT(bus0, readdata), 8 * k, 8,
                 answer ? sample(due.front().address + k) : random.next() & 255);
         if (answer) due.pop_front();
-        dut->PORT(bus0, waitrequest) = random.chance(f.wait);
+        dut->PORT(bus0, waitrequest) = random.bernoulli(f.wait);
         dut->eval();
 
         if (dut->PORT(bus0, read)) {
@@ -334,21 +336,22 @@ private:
             moved = clocks;
         }
         const bool valid = dut->PORT(o, valid);
-        if (refused && (!valid || std::memcmp(&window, &dut->PORT(o, payload), sizeof window)))
+        if (stalled && (!valid || std::memcmp(&window, &dut->PORT(o, payload), sizeof window)))
             fail("window changed in a stall", clocks);
         std::memcpy(&window, &dut->PORT(o, payload), sizeof window);
-        refused = valid && !dut->PORT(o, ready);
-        if (!valid || refused) return;
-        if (flying.empty()) fail("window that nobody asked for", clocks);
+        stalled = valid && !dut->PORT(o, ready);
+        if (!valid || stalled) return;
+        if (flying.empty()) fail("unrequested window", clocks);
         const Group& group = flying.front();
         bool right = bits(window, O_FIRST, 1) == group.first
                      && bits(window, O_LAST, 1) == group.last;
         for (int k = 0; k < kLanes; k++) {
             const Pixel& p = group.lane[k];
             const int at = k * O_LANE;
-            const std::uint32_t mask = (1u << kPlace) - 1;
-            right &= bits(window, O_FX + at, kPlace) == ((group.number + k) & mask);
-            right &= bits(window, O_FY + at, kPlace) == (((group.number >> kPlace) ^ k) & mask);
+            const std::uint32_t mask = (1u << kFraction) - 1;
+            right &= bits(window, O_FX + at, kFraction) == ((group.number + k) & mask);
+            right &= bits(window, O_FY + at, kFraction)
+                     == (((group.number >> kFraction) ^ k) & mask);
             right &= bits(window, O_BLANK + at, 1) == p.blank;
             if (p.blank) continue;
             right &= bits(window, O_ODD_COLUMN + at, 1) == (p.x & 1);
@@ -374,15 +377,15 @@ private:
     }
 
     // Samples outside in the low two bits; the third: they are after the last one.
-    static std::uint32_t edge(int place, int size) {
-        const int before = kMargin - place, behind = place + kAfter - (size - 1);
-        return behind > 0 ? behind | 4 : std::max(before, 0);
+    static std::uint32_t edge(int position, int size) {
+        const int before = kMargin - position, after = position + kAfter - (size - 1);
+        return after > 0 ? after | 4 : std::max(before, 0);
     }
 
     // The memory goes on, and what it owes must not reach the next frame; or it is reset as well.
     void reset() {
         dut->rst = 1;
-        dut->memory_rst = random.chance(128);
+        dut->memory_rst = random.bernoulli(128);
         dut->PORT(i, valid) = 0;
         const int length = random.between(1, 60);
         clock();
@@ -392,7 +395,7 @@ private:
         for (int k = 1; k < length; k++) clock();
         dut->rst = dut->memory_rst = 0;
         flying.clear();
-        offered = refused = false;
+        offered = stalled = false;
         moved = clocks;
         reset_count++;
     }
@@ -405,7 +408,7 @@ private:
     int resets;
     Frame f{};
     Group current{};
-    bool offered = false, refused = false, command_held = false;
+    bool offered = false, stalled = false, command_held = false;
     std::uint32_t x = 0, y = 0, counter = 0, command = 0;
     std::uint64_t sent = 0, done = 0, moved = 0;
     std::int64_t left_over = -1;

@@ -2,8 +2,8 @@
 // column command, and when its data is there. The rules are those of `DramMemory` in
 // model/ncdc_model/planner/memory_timing.py.
 //
-// No ports: `avalon_memory` calls `restart`, `step` and `place`. Times are numbers of memory
-// clocks (MC). `step` goes on to the corrector's next clock edge; `place` plans the commands of
+// No ports: `avalon_memory` calls `restart`, `step` and `schedule`. Times are numbers of memory
+// clocks (MC). `step` goes on to the corrector's next clock edge; `schedule` plans the commands of
 // one access at once, after those planned before; `ready` says that the controller would look at
 // one more access.
 //
@@ -124,7 +124,7 @@ module dram_timing;
             now = next;
             advance;
             if (now >= refresh_due) begin
-                place_refresh;
+                schedule_refresh;
                 refresh_due = refresh_due + refresh_interval;
             end
             ready = column_at[column] <= now;
@@ -164,7 +164,7 @@ module dram_timing;
 
     // Commands of the access to the bytes from..upto (which is the first one beyond); `start` is
     // the MC in which a read's data starts.
-    task place(input write, input [31:0] from, input [31:0] upto, output [31:0] start);
+    task schedule(input write, input [31:0] from, input [31:0] upto, output [31:0] start);
         reg [3:0]  bank;
         reg [24:0] row;
         reg [7:0]  length;
@@ -204,7 +204,7 @@ module dram_timing;
         end
     endtask
 
-    task place_refresh;
+    task schedule_refresh;
         begin
             at = later(now, last_command) + 1;
             if (open != 0) begin
@@ -233,7 +233,7 @@ module dram_timing;
     reg [31:0] last_read, last_write, refreshed;
     integer b;
 
-    task breach(input [8*16-1:0] rule);
+    task violation(input [8*16-1:0] rule);
         begin
             if (errors < 20)
                 $display("AVALON-ERROR memory %0s %0t", rule, $time);
@@ -243,9 +243,9 @@ module dram_timing;
 
     task check_precharge(input [31:0] t, input [3:0] bank);
         begin
-            if (t - activated[bank] < ras) breach("ras");
-            if (t < bank_read[bank]) breach("read-precharge");
-            if (t < bank_written[bank] + write_to_precharge) breach("write-precharge");
+            if (t - activated[bank] < ras) violation("ras");
+            if (t < bank_read[bank]) violation("read-precharge");
+            if (t < bank_written[bank] + write_to_precharge) violation("write-precharge");
             is_open[bank] = 0;
             precharged[bank] = t;
         end
@@ -254,7 +254,7 @@ module dram_timing;
     task check(input [31:0] t, input [2:0] command, input [3:0] bank, input [24:0] row,
                input [7:0] length);
         begin
-            if (t - refreshed < refresh) breach("refresh");
+            if (t - refreshed < refresh) violation("refresh");
             case (command)
                 PRECHARGE:
                     check_precharge(t, bank);
@@ -263,11 +263,11 @@ module dram_timing;
                         if (is_open[b])
                             check_precharge(t, b);
                 ACTIVATE: begin
-                    if (is_open[bank]) breach("open");
-                    if (t - precharged[bank] < rp) breach("rp");
-                    if (t - activated[bank] < rc) breach("rc");
-                    if (t - last_activates[0] < rrd) breach("rrd");
-                    if (t - last_activates[3] < faw) breach("faw");
+                    if (is_open[bank]) violation("open");
+                    if (t - precharged[bank] < rp) violation("rp");
+                    if (t - activated[bank] < rc) violation("rc");
+                    if (t - last_activates[0] < rrd) violation("rrd");
+                    if (t - last_activates[3] < faw) violation("faw");
                     for (b = 3; b > 0; b = b - 1)
                         last_activates[b] = last_activates[b-1];
                     last_activates[0] = t;
@@ -276,11 +276,11 @@ module dram_timing;
                     open_row[bank] = row;
                 end
                 READ, WRITE: begin
-                    if (!is_open[bank] || open_row[bank] != row) breach("row");
-                    if (t - activated[bank] < rcd) breach("rcd");
+                    if (!is_open[bank] || open_row[bank] != row) violation("row");
+                    if (t - activated[bank] < rcd) violation("rcd");
                     if (t < last_read + (command == READ ? 0 : read_to_write)
                             || t < last_write + (command == READ ? write_to_read : 0))
-                        breach("column");
+                        violation("column");
                     if (command == READ) begin
                         last_read = t + length;
                         bank_read[bank] = t + length;
@@ -290,13 +290,13 @@ module dram_timing;
                     end
                 end
                 REFRESH: begin
-                    if (is_open != 0) breach("refresh-open");
+                    if (is_open != 0) violation("refresh-open");
                     for (b = 0; b < MAX_BANKS; b = b + 1)
-                        if (t - precharged[b] < rp) breach("rp");
-                    if (t - refreshed > 2 * refresh_interval) breach("refresh-late");
+                        if (t - precharged[b] < rp) violation("rp");
+                    if (t - refreshed > 2 * refresh_interval) violation("refresh-late");
                     refreshed = t;
                 end
-                default: breach("command");
+                default: violation("command");
             endcase
         end
     endtask

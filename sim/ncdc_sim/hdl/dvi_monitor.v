@@ -48,14 +48,14 @@ module dvi_monitor (
     // The boundary of each lane's words.
     reg [9:0]  earlier [0:2];
     integer    run [0:29];              // control words in a row at each boundary of each lane
-    integer    place [0:2];
+    integer    boundary [0:2];
     reg [2:0]  known = 0;
-    reg        told = 0;
+    reg        locked = 0;
     reg [9:0]  aligned [0:2];
     integer    lane, at;
     initial for (at = 0; at < 30; at = at + 1) run[at] = 0;
     initial for (lane = 0; lane < 3; lane = lane + 1) begin
-        place[lane] = 0;
+        boundary[lane] = 0;
         earlier[lane] = 0;
     end
 
@@ -79,17 +79,19 @@ module dvi_monitor (
                 run[10*lane + at] = control(aligned[lane]) ? run[10*lane + at] + 1 : 0;
                 if (!known[lane] && run[10*lane + at] == RUN) begin
                     known[lane] = 1;
-                    place[lane] = at;
+                    boundary[lane] = at;
                 end
             end
-            aligned[lane] = {word[lane], earlier[lane]} >> place[lane];
+            aligned[lane] = {word[lane], earlier[lane]} >> boundary[lane];
             earlier[lane] = word[lane];
             visible[lane] = !control(aligned[lane]);
         end
         if (&known) begin
-            if (!told) $display("MONITOR locked %0d %0d %0d", place[0], place[1], place[2]);
-            if (!told) $display("MONITOR clock %0f", period);
-            told = 1;
+            if (!locked) begin
+                $display("MONITOR locked %0d %0d %0d", boundary[0], boundary[1], boundary[2]);
+                $display("MONITOR clock %0f", period);
+            end
+            locked = 1;
             if (visible != 0 && visible != 7 && errors < 20) begin
                 errors = errors + 1;
                 $display("MONITOR-ERROR the lanes disagree: %b", visible);

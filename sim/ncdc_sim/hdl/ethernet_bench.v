@@ -51,7 +51,7 @@ module ethernet_bench (
 
     mac mac (
         .clock_sys(sys), .clock_transmit(line), .clock_late(late), .clock_reset(rst),
-        .speed_set(speed), .speed_told(status),
+        .speed_set(speed), .speed_status(status),
         .sink_valid(sink_valid), .sink_ready(sink_ready), .sink_last(sink_last),
         .sink_data(sink_data), .sink_last_be(sink_last_be), .sink_error(4'b0),
         .source_valid(source_valid), .source_ready(1'b1), .source_last(source_last),

@@ -44,7 +44,7 @@ module ethernet_packets_bench (
 
     mac mac (
         .clock_sys(clk), .clock_transmit(line), .clock_late(1'b0), .clock_reset(rst),
-        .speed_set(2'd2), .speed_told(),
+        .speed_set(2'd2), .speed_status(),
         .sink_valid(valid), .sink_ready(ready), .sink_last(last), .sink_data(data),
         .sink_last_be(last ? 4'b1000 >> empty : 4'b0), .sink_error(4'b0),
         .source_valid(), .source_ready(1'b1), .source_last(), .source_data(), .source_last_be(),

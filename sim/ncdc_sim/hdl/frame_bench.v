@@ -37,12 +37,12 @@ module frame_bench (
     localparam BW = `NCDC_READ_BURST_WIDTH;
     localparam WBW = `NCDC_WRITE_BURST_WIDTH;
     localparam PROGRAM = 65536;
-    localparam POISON = 8'hA5;          // bytes that nobody wrote
+    localparam POISON = 8'hA5;          // unwritten bytes
     localparam PIXELS = "output.bin";
 
     localparam END = 0, WRITE = 1, COMPARE = 2, WAIT_IRQ = 3, REPORT = 4, WAIT = 5, WAIT_OUTPUT = 6,
         RESET = 7, POLL = 8, CAMERA = 9, RESET_ALL = 10,
-        PLACE = 11;
+        ALLOW = 11;
 
     reg rst = 1;
     reg module_rst = 1;                 // of the module under test
@@ -51,7 +51,7 @@ module frame_bench (
     // Settings of this run.
     reg [31:0] source_base, source_bytes, output_base, output_bytes, output_pixels;
     reg [31:0] program_words, clock_limit, progress_step;
-    reg [31:0] sink_chance;             // of 256: how often the sink of the stream is ready
+    reg [31:0] sink_probability;        // of 256: how often the sink of the stream is ready
     reg [31:0] camera_line;             // clocks of a row of the camera, 0: no camera
     reg [31:0] camera_width, camera_height, camera_pitch;   // bytes, rows, bytes from row to row
 
@@ -66,7 +66,7 @@ module frame_bench (
         if (!$value$plusargs("program_words=%d", program_words)) program_words = 1;
         if (!$value$plusargs("clock_limit=%d", clock_limit)) clock_limit = 1000000;
         if (!$value$plusargs("progress_step=%d", progress_step)) progress_step = 1000000;
-        if (!$value$plusargs("sink_chance=%d", sink_chance)) sink_chance = 256;
+        if (!$value$plusargs("sink_probability=%d", sink_probability)) sink_probability = 256;
         if (!$value$plusargs("camera_line=%d", camera_line)) camera_line = 0;
         if (!$value$plusargs("camera_width=%d", camera_width)) camera_width = 0;
         if (!$value$plusargs("camera_height=%d", camera_height)) camera_height = 0;
@@ -147,23 +147,23 @@ module frame_bench (
     endtask
 
     // What is read and written outside the ranges.
-    reg [31:0] place [0:3];
+    reg [31:0] allowed [0:3];
     reg [31:0] outside = 0;             // bytes
     reg [31:0] write_at, write_left = 0;
     integer    lane_of;
     initial begin
-        place[0] = 0;
-        place[1] = 32'hFFFFFFFF;
-        place[2] = 0;
-        place[3] = 32'hFFFFFFFF;
+        allowed[0] = 0;
+        allowed[1] = 32'hFFFFFFFF;
+        allowed[2] = 0;
+        allowed[3] = 32'hFFFFFFFF;
     end
 
     always @(posedge clk) begin
         for (lane_of = 0; lane_of < PORTS; lane_of = lane_of + 1)
             if (read_read[lane_of] && !read_waitrequest[lane_of]
-                    && (read_address[32*lane_of +: 32] < place[0]
+                    && (read_address[32*lane_of +: 32] < allowed[0]
                         || read_address[32*lane_of +: 32]
-                           + DW / 8 * read_burstcount[BW*lane_of +: BW] > place[1]))
+                           + DW / 8 * read_burstcount[BW*lane_of +: BW] > allowed[1]))
                 outside = outside + DW / 8 * read_burstcount[BW*lane_of +: BW];
         if (write_write && !write_waitrequest) begin
             if (write_left == 0) begin
@@ -171,8 +171,8 @@ module frame_bench (
                 write_left = write_burstcount;
             end
             for (lane_of = 0; lane_of < DW / 8; lane_of = lane_of + 1)
-                if (write_byteenable[lane_of] && (write_at + lane_of < place[2]
-                                                  || write_at + lane_of >= place[3]))
+                if (write_byteenable[lane_of] && (write_at + lane_of < allowed[2]
+                                                  || write_at + lane_of >= allowed[3]))
                     outside = outside + 1;
             write_at = write_at + DW / 8;
             write_left = write_left - 1;
@@ -310,8 +310,8 @@ module frame_bench (
                     camera_sends = 1;
                     next;
                 end
-                PLACE: begin
-                    place[now[33:32]] = csr_writedata;
+                ALLOW: begin
+                    allowed[now[33:32]] = csr_writedata;
                     next;
                 end
                 WAIT_OUTPUT:

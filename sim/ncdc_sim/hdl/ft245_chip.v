@@ -46,7 +46,7 @@ module ft245_chip #(
     reg [9*LANES-1:0] queue [0:15];
     reg [3:0]  first = 0;
     reg [4:0]  count = 0;
-    wire [3:0] behind = first + count[3:0];
+    wire [3:0] tail = first + count[3:0];
     wire       taken = rxf && !rd_n && !oe_n;
     wire [8*LANES-1:0] head = queue[first][8*LANES-1:0];
     wire [LANES-1:0]   head_be = queue[first][8*LANES +: LANES];
@@ -55,7 +55,7 @@ module ft245_chip #(
     assign device_data = data_i;
     assign device_be = be_i;
 
-    task breach(input [8*24-1:0] rule);
+    task violation(input [8*24-1:0] rule);
         begin
             errors = errors + 1;
             if (errors < 20)
@@ -68,14 +68,14 @@ module ft245_chip #(
         random = random ^ (random >> 17);
         random = random ^ (random << 5);
         if (known) begin
-            if (^{oe_n, rd_n, wr_n, data_driven} === 1'bx) breach("unknown");
-            if (!rd_n && !(oe_before && !oe_n)) breach("oe-before-rd");
-            if (!oe_n && data_driven) breach("both-drive");
-            if (!oe_n && driven_before || data_driven && oe_before) breach("no-rest");
-            if (!wr_n && !data_driven) breach("nobody-drives");
-            if (!wr_n && !wr_before && !txe_before) breach("wr-before-txe");
-            if (!rd_n && !rd_before && !rxf_before) breach("rd-before-rxf");
-            if (!wr_n && txe && ^{data_i, be_i} === 1'bx) breach("data-unknown");
+            if (^{oe_n, rd_n, wr_n, data_driven} === 1'bx) violation("unknown");
+            if (!rd_n && !(oe_before && !oe_n)) violation("oe-before-rd");
+            if (!oe_n && data_driven) violation("both-drive");
+            if (!oe_n && driven_before || data_driven && oe_before) violation("no-rest");
+            if (!wr_n && !data_driven) violation("undriven");
+            if (!wr_n && !wr_before && !txe_before) violation("wr-before-txe");
+            if (!rd_n && !rd_before && !rxf_before) violation("rd-before-rxf");
+            if (!wr_n && txe && ^{data_i, be_i} === 1'bx) violation("data-unknown");
         end
         known <= !(^{oe_n, rd_n, wr_n, data_driven} === 1'bx);
         oe_before <= !oe_n;
@@ -86,7 +86,7 @@ module ft245_chip #(
         txe_before <= txe;
         rxf <= count > {4'd0, taken} && random[7:0] >= rx_stall;
         if (host_valid && host_ready)
-            queue[behind] <= {host_be, host_data};
+            queue[tail] <= {host_be, host_data};
         first <= first + {3'd0, taken};
         count <= count + {4'd0, host_valid && host_ready} - {4'd0, taken};
         txe <= device_ready && random[15:8] >= tx_stall;
@@ -122,12 +122,12 @@ module ft245_chip #(
     // Setup and hold of what the FPGA drives.
     time edge_at = 0, changed = 0;
     always @(posedge clk) begin
-        if (known && $time - changed < SETUP) breach("set-up");
+        if (known && $time - changed < SETUP) violation("setup");
         edge_at = $time;
     end
     always @(oe_n, rd_n, wr_n, data_i, be_i) begin
         changed = $time;
-        if (HOLD != 0 && known && $time - edge_at < HOLD) breach("hold");
+        if (HOLD != 0 && known && $time - edge_at < HOLD) violation("hold");
     end
 `else
     always @* begin

@@ -93,11 +93,11 @@ module avalon_memory #(
     reg        held;
     reg [NATIVE+LANES-1:0] queue [0:QUEUE-1];
     reg [31:0] queue_in, queue_out;
-    wire       room = queue_in - queue_out < QUEUE;
-    wire       sending = held && room && cmd_ready[PORTS];
+    wire       space = queue_in - queue_out < QUEUE;
+    wire       sending = held && space && cmd_ready[PORTS];
     wire [NATIVE+LANES-1:0] first = queue[queue_out % QUEUE];
 
-    assign cmd_valid[PORTS] = held && room;
+    assign cmd_valid[PORTS] = held && space;
     assign cmd_addr[ADDRESS*PORTS +: ADDRESS] = write_word;
     assign write_waitrequest = rst || (held && !(sending && sent == RATIO - 1));
 

@@ -145,8 +145,8 @@ private:
 
 class Sink {
 public:
-    Sink(Vncdc_litex& soc, unsigned chance)
-        : soc(soc), chance(chance), video(fopen("video.bin", "wb")) {}
+    Sink(Vncdc_litex& soc, unsigned probability)
+        : soc(soc), probability(probability), video(fopen("video.bin", "wb")) {}
     ~Sink() { fclose(video); }
 
     void look(uint64_t clock) {
@@ -156,9 +156,9 @@ public:
             waits = false;
             return;
         }
-        if (waits && (!soc.video_valid || now != before)) breach("held", clock);
-        if (soc.video_valid != soc.video_de) breach("de", clock);
-        if (soc.video_hsync || soc.video_vsync) breach("sync", clock);
+        if (waits && (!soc.video_valid || now != before)) violation("held", clock);
+        if (soc.video_valid != soc.video_de) violation("de", clock);
+        if (soc.video_hsync || soc.video_vsync) violation("sync", clock);
         if (soc.video_valid && soc.video_ready) {
             if (soc.video_first) printf("FIRST %llu\n", (unsigned long long)pixels);
             if (soc.video_last) printf("LAST %llu\n", (unsigned long long)pixels);
@@ -171,16 +171,16 @@ public:
 
     void drive() {
         random = random * 6364136223846793005u + 1442695040888963407u;
-        soc.video_ready = (random >> 40 & 255) < chance;
+        soc.video_ready = (random >> 40 & 255) < probability;
     }
 
 private:
-    static void breach(const char* rule, uint64_t clock) {
+    static void violation(const char* rule, uint64_t clock) {
         printf("VIDEO-ERROR %s %llu\n", rule, (unsigned long long)clock);
     }
 
     Vncdc_litex& soc;
-    const unsigned chance;
+    const unsigned probability;
     FILE* video;
     uint64_t random = 1, pixels = 0;
     uint32_t before = 0;

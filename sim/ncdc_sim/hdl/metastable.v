@@ -18,7 +18,7 @@ module metastable_bit #(
     input wire  i,
     output wire o
 );
-    reg [31:0] window, seed, chance;
+    reg [31:0] window, seed, random;
     reg [31:0] late_events = 0, early_events = 0;
     reg [63:0] edge_at = 0, changed_at = 0;
     reg        begun = 0;                       // there was an edge: a change before is none
@@ -29,16 +29,16 @@ module metastable_bit #(
     initial begin
         if (!$value$plusargs("metastable_ps=%d", window)) window = 0;
         if (!$value$plusargs("metastable_seed=%d", seed)) seed = 1;
-        chance = ((NUMBER + 1) * 32'h9E3779B1 ^ seed * 32'h85EBCA6B) | 32'h100;
+        random = ((NUMBER + 1) * 32'h9E3779B1 ^ seed * 32'h85EBCA6B) | 32'h100;
     end
 
     always @(posedge clk) begin
-        chance <= {chance[30:0], chance[31] ^ chance[21] ^ chance[1] ^ chance[0]};
+        random <= {random[30:0], random[31] ^ random[21] ^ random[1] ^ random[0]};
         edge_at <= $time;
         begun <= 1;
         early_before <= early;
         taken <= i;
-        if (begun && $time - changed_at < {32'd0, window} && chance[3]) begin
+        if (begun && $time - changed_at < {32'd0, window} && random[3]) begin
             taken <= !i;
             late_events = late_events + 1;
             if ((late_events & (late_events - 1)) == 0)
@@ -48,7 +48,7 @@ module metastable_bit #(
 
     always @(posedge i or negedge i) begin
         changed_at <= $time;
-        if (begun && $time - edge_at < {32'd0, window} && chance[17]) begin
+        if (begun && $time - edge_at < {32'd0, window} && random[17]) begin
             early <= !early_before;
             early_events = early_events + 1;
             if ((early_events & (early_events - 1)) == 0)
@@ -82,7 +82,7 @@ module metastable_reset #(
     input wire  i,
     output wire o
 );
-    reg [31:0] window, seed, chance;
+    reg [31:0] window, seed, random;
     reg [31:0] late_events = 0, early_events = 0;
     reg [63:0] edge_at = 0, ended_at = 0;
     reg        begun = 0;                       // there was an edge: an end before is none
@@ -93,11 +93,11 @@ module metastable_reset #(
     initial begin
         if (!$value$plusargs("metastable_ps=%d", window)) window = 0;
         if (!$value$plusargs("metastable_seed=%d", seed)) seed = 1;
-        chance = ((64 * NUMBER + 1) * 32'h9E3779B1 ^ seed * 32'h85EBCA6B) | 32'h100;
+        random = ((64 * NUMBER + 1) * 32'h9E3779B1 ^ seed * 32'h85EBCA6B) | 32'h100;
     end
 
     always @(posedge clk) begin
-        chance <= {chance[30:0], chance[31] ^ chance[21] ^ chance[1] ^ chance[0]};
+        random <= {random[30:0], random[31] ^ random[21] ^ random[1] ^ random[0]};
         edge_at <= $time;
         begun <= 1;
     end
@@ -106,7 +106,7 @@ module metastable_reset #(
         early_before <= early;
         if (i)
             set <= 1;
-        else if (begun && $time - ended_at < {32'd0, window} && chance[3] && o) begin
+        else if (begun && $time - ended_at < {32'd0, window} && random[3] && o) begin
             late_events = late_events + 1;
             if ((late_events & (late_events - 1)) == 0)
                 $display("METASTABLE %m late %0d", late_events);
@@ -117,7 +117,7 @@ module metastable_reset #(
 
     always @(negedge i) begin
         ended_at <= $time;
-        if (begun && $time - edge_at < {32'd0, window} && chance[17]) begin
+        if (begun && $time - edge_at < {32'd0, window} && random[17]) begin
             early <= !early_before;
             early_events = early_events + 1;
             if ((early_events & (early_events - 1)) == 0)

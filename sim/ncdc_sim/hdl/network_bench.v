@@ -8,7 +8,7 @@
 //   2 a        read                                       READ value
 //   3 a        wait for a clocks                          DONE
 //   4 a b c    read again and again until the value, masked with b, is c; LATE if it is not for
-//              `patience` clocks                          READ value
+//              `timeout` clocks                           READ value
 //   5          look at the counters                       COUNTS clocks reads writes
 // An access begins `pace` clocks after the one before it, if not later, those of operation 4
 // `poll` clocks: a processor's program takes time.
@@ -145,11 +145,11 @@ module network_bench (input wire clk, line, extclk, pixel);
     end
 
     // The host.
-    reg [31:0] pace, poll, patience;
+    reg [31:0] pace, poll, timeout;
     initial begin
         if (!$value$plusargs("pace=%d", pace)) pace = 1;
         if (!$value$plusargs("poll=%d", poll)) poll = 1;
-        if (!$value$plusargs("patience=%d", patience)) patience = 1;
+        if (!$value$plusargs("timeout=%d", timeout)) timeout = 1;
     end
     reg [31:0] clocks = 0, since = 0, waited = 0, operation = 0, a = 0, b = 0, c = 0;
     reg        asked = 0;               // a command is under way
@@ -183,7 +183,7 @@ module network_bench (input wire clk, line, extclk, pixel);
             READ: answer("READ", dat_r);
             default:
                 if ((dat_r & b) == c) answer("READ", dat_r);
-                else if (waited > patience) answer("LATE", dat_r);
+                else if (waited > timeout) answer("LATE", dat_r);
         endcase
     endtask
 

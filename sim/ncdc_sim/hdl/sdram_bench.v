@@ -28,7 +28,7 @@ module sdram_bench(input wire clk);
     localparam BITS = $clog2(BURST + 1);
     localparam COLUMNS = `NCDC_COLUMNS;         // bits of a word's column
     localparam ROWS = `NCDC_ROWS;
-    localparam PLACE = 3 + 2 + COLUMNS;         // bits of a word's address in the plain memory
+    localparam INDEX = 3 + 2 + COLUMNS;         // bits of a word's index in the plain memory
     localparam LANES = DATA / 8;
     localparam BEATS = `NCDC_BEATS;
     localparam QUEUE = 1024;                    // words that a reader waits for
@@ -112,17 +112,17 @@ module sdram_bench(input wire clk);
     endgenerate
 
     // The plain memory: the last eight versions of each word.
-    reg [DATA-1:0] version [0:(8 << PLACE) - 1];
-    reg [31:0]     accepted [0:(1 << PLACE) - 1];   // number of the last version
-    reg [31:0]     happened [0:(1 << PLACE) - 1];   // number of the last one that must be seen
-    reg [31:0]     known [0:(1 << PLACE) - 1];      // number of the first one known since a reset
-    reg [PLACE-1:0] log [0:LOG-1];
+    reg [DATA-1:0] version [0:(8 << INDEX) - 1];
+    reg [31:0]     accepted [0:(1 << INDEX) - 1];   // number of the last version
+    reg [31:0]     happened [0:(1 << INDEX) - 1];   // number of the last one that must be seen
+    reg [31:0]     known [0:(1 << INDEX) - 1];      // number of the first one known since a reset
+    reg [INDEX-1:0] log [0:LOG-1];
     reg [31:0]     logged;
 
     // Of each host.
     reg [31:0] at [0:HOSTS-1];                  // number of the next burst's first word
     reg [31:0] row_at [0:HOSTS-1];              // of kind 3: column and row of the picture
-    reg [PLACE-1:0] due_place [0:QUEUE*READS-1];
+    reg [INDEX-1:0] due_index [0:QUEUE*READS-1];
     reg [31:0] due_floor [0:QUEUE*READS-1];
     reg [31:0] due_in [0:READS-1], due_out [0:READS-1];
     reg [63:0] begun [0:HOSTS-1];               // when its only command under way was accepted
@@ -130,22 +130,22 @@ module sdram_bench(input wire clk);
     reg [31:0] longest [0:HOSTS-1];
     reg [31:0] total [0:HOSTS-1];               // words
     reg [31:0] left;                            // words of the write burst, that offered included
-    reg [PLACE-1:0] burst_place, word_place;
+    reg [INDEX-1:0] burst_index, word_index;
     reg [31:0] beats_due;                       // of writes accepted, as beats_written will be
 
     reg [31:0] wrong, unsure, checked, reset_count, beats_before, rst_left;
     integer    h, k, found;
-    reg [31:0] length, number, place32, newest, oldest, got_resets;
+    reg [31:0] length, number, index32, newest, oldest, got_resets;
     reg [DATA-1:0] value;
 
     // Number of a word: rows 0 to 3 and the four highest.
-    function [31:0] number_of(input [PLACE-1:0] place);
-        number_of = {{(32-PLACE){place[PLACE-1]}}, place}
+    function [31:0] number_of(input [INDEX-1:0] index);
+        number_of = {{(32-INDEX){index[INDEX-1]}}, index}
                     & ((32'd1 << (ROWS + 2 + COLUMNS)) - 1);
     endfunction
 
-    function begins(input [7:0] chance, input over);
-        begins = chance == 255 ? over && next(0) % 8 == 0 : next(0) % 256 >= {24'd0, chance};
+    function begins(input [7:0] pause, input over);
+        begins = pause == 255 ? over && next(0) % 8 == 0 : next(0) % 256 >= {24'd0, pause};
     endfunction
 
     task begin_burst(input integer host);
@@ -173,16 +173,16 @@ module sdram_bench(input wire clk);
                     end
                 end
             endcase
-            place32 = number & ((1 << PLACE) - 1);
+            index32 = number & ((1 << INDEX) - 1);
         end
     endtask
 
     task accept_read(input integer host);
         begin
             for (k = 0; k < read_burstcount[BITS*host +: BITS]; k = k + 1) begin
-                place32 = (read_address[32*host +: 32] / LANES + k) & ((1 << PLACE) - 1);
-                due_place[QUEUE*host + due_in[host] % QUEUE] = place32[PLACE-1:0];
-                due_floor[QUEUE*host + due_in[host] % QUEUE] = happened[place32];
+                index32 = (read_address[32*host +: 32] / LANES + k) & ((1 << INDEX) - 1);
+                due_index[QUEUE*host + due_in[host] % QUEUE] = index32[INDEX-1:0];
+                due_floor[QUEUE*host + due_in[host] % QUEUE] = happened[index32];
                 due_in[host] = due_in[host] + 1;
             end
             timed[host] = ready && due_in[host] - due_out[host]
@@ -194,23 +194,23 @@ module sdram_bench(input wire clk);
     task check_word(input integer host);
         begin
             total[host] = total[host] + 1;
-            place32 = {{(32-PLACE){1'b0}}, due_place[QUEUE*host + due_out[host] % QUEUE]};
+            index32 = {{(32-INDEX){1'b0}}, due_index[QUEUE*host + due_out[host] % QUEUE]};
             oldest = due_floor[QUEUE*host + due_out[host] % QUEUE];
             due_out[host] = due_out[host] + 1;
-            newest = accepted[place32];
+            newest = accepted[index32];
             value = read_readdata[DATA*host +: DATA];
-            if (oldest < known[place32] || newest - oldest > 7)
+            if (oldest < known[index32] || newest - oldest > 7)
                 unsure = unsure + 1;
             else begin
                 checked = checked + 1;
                 found = 0;
                 for (k = 0; k < 8; k = k + 1)
-                    if (oldest + k <= newest && version[place32 * 8 + (oldest + k) % 8] === value)
+                    if (oldest + k <= newest && version[index32 * 8 + (oldest + k) % 8] === value)
                         found = 1;
                 if (found == 0) begin
                     if (wrong < 20)
                         $display("SDRAM-WRONG port %0d word %h got %h expected %h clock %0d", host,
-                                 place32, value, version[place32 * 8 + newest % 8], now);
+                                 index32, value, version[index32 * 8 + newest % 8], now);
                     wrong = wrong + 1;
                 end
             end
@@ -226,24 +226,24 @@ module sdram_bench(input wire clk);
         begin
             total[READS] = total[READS] + 1;
             beats_due = beats_due + BEATS;
-            place32 = {{(32-PLACE){1'b0}}, word_place};
-            newest = accepted[place32];
-            value = version[place32 * 8 + newest % 8];
+            index32 = {{(32-INDEX){1'b0}}, word_index};
+            newest = accepted[index32];
+            value = version[index32 * 8 + newest % 8];
             for (k = 0; k < LANES; k = k + 1)
                 if (write_byteenable[k])
                     value[8*k +: 8] = write_writedata[8*k +: 8];
-            accepted[place32] = newest + 1;
-            version[place32 * 8 + (newest + 1) % 8] = value;
-            if (known[place32] == 32'hFFFFFFFF && (&write_byteenable))
-                known[place32] = newest + 1;
-            log[logged % LOG] = word_place;
+            accepted[index32] = newest + 1;
+            version[index32 * 8 + (newest + 1) % 8] = value;
+            if (known[index32] == 32'hFFFFFFFF && (&write_byteenable))
+                known[index32] = newest + 1;
+            log[logged % LOG] = word_index;
             logged = logged + 1;
             left = left - 1;
-            word_place = word_place + 1;
+            word_index = word_index + 1;
             if (left == 0) begin
                 for (k = 0; k < write_burstcount; k = k + 1) begin
-                    place32 = ({{(32-PLACE){1'b0}}, burst_place} + k) & ((1 << PLACE) - 1);
-                    happened[place32] = accepted[place32];
+                    index32 = ({{(32-INDEX){1'b0}}, burst_index} + k) & ((1 << INDEX) - 1);
+                    happened[index32] = accepted[index32];
                 end
                 if (!timed[READS]) begin
                     timed[READS] = ready && beats_written + BEATS * write_burstcount >= beats_due;
@@ -260,7 +260,7 @@ module sdram_bench(input wire clk);
                 due_out[h] = due_in[h];
             for (k = 0; k < LOG; k = k + 1)
                 if (k < logged)
-                    known[{{(32-PLACE){1'b0}}, log[k]}] = 32'hFFFFFFFF;
+                    known[{{(32-INDEX){1'b0}}, log[k]}] = 32'hFFFFFFFF;
             read_read <= 0;
             write_write <= 0;
             left = 0;
@@ -272,7 +272,7 @@ module sdram_bench(input wire clk);
     task prepare;               // words of known content
         integer row, bank, column, beat;
         begin
-            for (k = 0; k < (1 << PLACE); k = k + 1) begin
+            for (k = 0; k < (1 << INDEX); k = k + 1) begin
                 value = 0;
                 for (beat = 0; beat < BEATS; beat = beat + 1) begin
                     number = next(0);
@@ -297,7 +297,7 @@ module sdram_bench(input wire clk);
         now = 0; ready_at = 0; wrong = 0; unsure = 0; checked = 0; reset_count = 0; left = 0;
         logged = 0; timed = 0; beats_due = 0; beats_before = 0; rst_left = 3;
         for (h = 0; h < HOSTS; h = h + 1) begin
-            at[h] = h << (PLACE - 2); row_at[h] = 0; longest[h] = 0; total[h] = 0; begun[h] = 0;
+            at[h] = h << (INDEX - 2); row_at[h] = 0; longest[h] = 0; total[h] = 0; begun[h] = 0;
         end
         for (h = 0; h < READS; h = h + 1) begin
             due_in[h] = 0; due_out[h] = 0;
@@ -344,7 +344,7 @@ module sdram_bench(input wire clk);
                             && due_in[h] - due_out[h] < QUEUE - 2 * BURST) begin
                         begin_burst(h);
                         read_read[h] <= 1;
-                        read_address[32*h +: 32] <= number_of(place32[PLACE-1:0]) * LANES;
+                        read_address[32*h +: 32] <= number_of(index32[INDEX-1:0]) * LANES;
                         read_burstcount[BITS*h +: BITS] <= length[BITS-1:0];
                     end
                 end
@@ -354,10 +354,10 @@ module sdram_bench(input wire clk);
                         && begins(gap[8*READS +: 8], left != 0 || !timed[READS])) begin
                     if (left == 0) begin
                         begin_burst(READS);
-                        burst_place = place32[PLACE-1:0];
-                        word_place = burst_place;
+                        burst_index = index32[INDEX-1:0];
+                        word_index = burst_index;
                         left = length;
-                        write_address <= number_of(burst_place) * LANES;
+                        write_address <= number_of(burst_index) * LANES;
                         write_burstcount <= length[BITS-1:0];
                     end
                     write_write <= 1;

@@ -32,7 +32,7 @@
 //   unsupported  a command that this model has not, or CKE is low
 //   unknown      X or Z on a control pin (four states)
 //
-// Of a row's number only the lowest KEPT bits count for what is stored. `refresh_most` is the
+// Of a row's number only the lowest STORED bits count for what is stored. `refresh_most` is the
 // longest time between two refreshes so far, in clocks; `beats_read` and `beats_written` count the
 // clocks with data.
 
@@ -42,7 +42,7 @@ module sdram_chip #(
     parameter DATA = 16,
     parameter ROW = 13,
     parameter COLUMN = 9,
-    parameter KEPT = ROW,
+    parameter STORED = ROW,
     parameter PERIOD = 10000,
     parameter RCD = 20000,
     parameter RP = 20000,
@@ -87,7 +87,7 @@ module sdram_chip #(
 );
     localparam BYTES = DATA / 8;
 
-    reg [DATA-1:0] store [0:(4 << (KEPT + COLUMN)) - 1];
+    reg [DATA-1:0] store [0:(4 << (STORED + COLUMN)) - 1];
 
     reg [63:0] now;
     reg        moded;                   // a mode has been set
@@ -122,7 +122,7 @@ module sdram_chip #(
     reg            fresh_valid;
     reg [DATA-1:0] shown;
     reg            shown_valid;
-    reg [31:0]     place;
+    reg [31:0]     index;
     reg            precharge_now;
     integer        b, k;
 
@@ -133,7 +133,7 @@ module sdram_chip #(
     wire [2:0] command = {ras_n, cas_n, we_n};
     wire       any = !cs_n && command != 3'b111;
 
-    task breach(input [8*12-1:0] rule);
+    task violation(input [8*12-1:0] rule);
         begin
             if (violations < 20)
                 $display("SDRAM-VIOLATION %0s %0d", rule, now);
@@ -146,8 +146,9 @@ module sdram_chip #(
     endfunction
 
     // Where a column of the burst is.
-    function [31:0] place_of(input [1:0] bank, input [COLUMN-1:0] column);
-        place_of = ((({30'd0, bank} << KEPT) | ({{(32-ROW){1'b0}}, row[bank]} & ((1 << KEPT) - 1)))
+    function [31:0] index_of(input [1:0] bank, input [COLUMN-1:0] column);
+        index_of = ((({30'd0, bank} << STORED)
+                     | ({{(32-ROW){1'b0}}, row[bank]} & ((1 << STORED) - 1)))
                     << COLUMN) | {{(32-COLUMN){1'b0}}, column};
     endfunction
 
@@ -155,14 +156,14 @@ module sdram_chip #(
     task close(input integer bank, input by_itself);
         begin
             if (opened[bank]) begin
-                if (early(ever_activated[bank], activated[bank], t_ras)) breach("tRAS-min");
+                if (early(ever_activated[bank], activated[bank], t_ras)) violation("tRAS-min");
                 if (early(ever_written[bank], written[bank], t_wr)
                         || (ever_written[bank] && now - written[bank] < WR_CLOCKS)
                         || (bursting && burst_write && burst_bank == bank[1:0] && burst_left != 0))
-                    breach("tWR");
+                    violation("tWR");
                 if (bursting && !burst_write && burst_bank == bank[1:0] && burst_left != 0
                         && !by_itself)
-                    breach("cut");
+                    violation("cut");
                 opened[bank] = 0;
                 precharged[bank] = now;
                 ever_precharged[bank] = 1;
@@ -177,9 +178,9 @@ module sdram_chip #(
 
     task closed_for(input integer unused);      // REFRESH and MODE
         begin
-            if (opened != 0) breach("open");
+            if (opened != 0) violation("open");
             for (b = 0; b < 4; b = b + 1)
-                if (early(ever_precharged[b], precharged[b], t_rp)) breach("tRP");
+                if (early(ever_precharged[b], precharged[b], t_rp)) violation("tRP");
         end
     endtask
 
@@ -212,35 +213,35 @@ module sdram_chip #(
     always @(posedge clk) begin
         if (^{cke, cs_n, ras_n, cas_n, we_n, dq_oe} === 1'bx
                 || (any && ^{ba, dqm} === 1'bx))
-            breach("unknown");
-        if (any && !cke) breach("unsupported");
+            violation("unknown");
+        if (any && !cke) violation("unsupported");
 
         // What has been on DQ until this edge.
-        if (dq_oe && (dq_drives || {24'd0, since_drive} + 1 <= TURNAROUND)) breach("contention");
+        if (dq_oe && (dq_drives || {24'd0, since_drive} + 1 <= TURNAROUND)) violation("contention");
         since_drive = dq_drives ? 0 : since_drive == 255 ? 255 : since_drive + 1;
 
         for (b = 0; b < 4; b = b + 1) begin
             if (closing[b] && now >= closes[b]) close(b, 1);
             if (opened[b] && (now - activated[b]) * PERIOD > t_ras_max && !too_long[b]) begin
-                breach("tRAS-max");
+                violation("tRAS-max");
                 too_long[b] = 1;
             end
         end
 
         if (any) begin
-            if (now * PERIOD < t_pause) breach("tPAUSE");
-            if (early(ever_refreshed, last_refresh, t_rfc)) breach("tRFC");
+            if (now * PERIOD < t_pause) violation("tPAUSE");
+            if (early(ever_refreshed, last_refresh, t_rfc)) violation("tRFC");
             if (early(ever_mode, last_mode, t_mrd) || (ever_mode && now - last_mode < MRD_CLOCKS))
-                breach("tMRD");
+                violation("tMRD");
             case (command)
                 3'b011: begin                                                   // ACTIVE
-                    if (!moded || !closed_all || refreshes < REFRESHES) breach("init");
-                    if (opened[ba]) breach("open");
-                    if (early(ever_precharged[ba], precharged[ba], t_rp)) breach("tRP");
-                    if (early(ever_activated[ba], activated[ba], t_rc)) breach("tRC");
+                    if (!moded || !closed_all || refreshes < REFRESHES) violation("init");
+                    if (opened[ba]) violation("open");
+                    if (early(ever_precharged[ba], precharged[ba], t_rp)) violation("tRP");
+                    if (early(ever_activated[ba], activated[ba], t_rc)) violation("tRC");
                     for (b = 0; b < 4; b = b + 1)
                         if (b[1:0] != ba && early(ever_activated[b], activated[b], t_rrd))
-                            breach("tRRD");
+                            violation("tRRD");
                     opened[ba] = 1;
                     row[ba] = a[ROW-1:0];
                     activated[ba] = now;
@@ -248,8 +249,8 @@ module sdram_chip #(
                     ever_written[ba] = 0;
                 end
                 3'b101, 3'b100: begin                                           // READ, WRITE
-                    if (!opened[ba] || closing[ba]) breach("closed");
-                    if (early(ever_activated[ba], activated[ba], t_rcd)) breach("tRCD");
+                    if (!opened[ba] || closing[ba]) violation("closed");
+                    if (early(ever_activated[ba], activated[ba], t_rcd)) violation("tRCD");
                     bursting = 1;
                     burst_write = !we_n;
                     burst_bank = ba;
@@ -276,11 +277,11 @@ module sdram_chip #(
                     if (gap_counts && now - last_refresh > {32'd0, refresh_most})
                         refresh_most = now[31:0] - last_refresh[31:0];
                     if (gap_counts && (now - last_refresh) * PERIOD > t_refresh_gap)
-                        breach("refresh-gap");
+                        violation("refresh-gap");
                     gap_counts = 1;
                     if (refreshes >= REFRESH_CYCLES
                             && (now - times[refreshes % REFRESH_CYCLES]) * PERIOD > t_retention)
-                        breach("retention");
+                        violation("retention");
                     times[refreshes % REFRESH_CYCLES] = now;
                     refreshes = refreshes + 1;
                     last_refresh = now;
@@ -290,14 +291,14 @@ module sdram_chip #(
                     closed_for(0);
                     if (a[2:0] > 3 || a[3] || a[9:7] != 0
                             || !(a[6:4] == 2 && PERIOD >= CAS2 || a[6:4] == 3 && PERIOD >= t_cas3))
-                        breach("mode");
+                        violation("mode");
                     length_code = a[2:0];
                     latency = a[5:4];
                     moded = 1;
                     last_mode = now;
                     ever_mode = 1;
                 end
-                default: breach("unsupported");
+                default: violation("unsupported");
             endcase
         end
 
@@ -305,17 +306,17 @@ module sdram_chip #(
         fresh_valid = 0;
         fresh = 0;
         if (bursting && burst_left != 0) begin
-            place = place_of(burst_bank, burst_column);
+            index = index_of(burst_bank, burst_column);
             if (burst_write) begin
-                if (!dq_oe && !(&dqm)) breach("no-data");
+                if (!dq_oe && !(&dqm)) violation("no-data");
                 for (b = 0; b < BYTES; b = b + 1)
                     if (!dqm[b])
-                        store[place][8*b +: 8] = dq_i[8*b +: 8];
+                        store[index][8*b +: 8] = dq_i[8*b +: 8];
                 written[burst_bank] = now;
                 ever_written[burst_bank] = 1;
                 beats_written = beats_written + 1;
             end else begin
-                fresh = store[place];
+                fresh = store[index];
                 fresh_valid = 1;
                 beats_read = beats_read + 1;
             end

@@ -65,19 +65,19 @@ module sensor_core #(
         if ($value$plusargs("sensor_file=%s", name)) begin
             file = $fopen(name, "rb");
             if (file == 0)
-                refuse("the file cannot be read");
+                reject("the file cannot be read");
             else if (file_width == 0 || file_height == 0 || file_width > MAX_WIDTH)
-                refuse("the size of the file's frames is wrong");
+                reject("the size of the file's frames is wrong");
             else begin
                 got = $fseek(file, 0, 2);
                 frames = $ftell(file) / (2 * file_width * file_height);
                 if (frames == 0)
-                    refuse("the file has no whole frame");
+                    reject("the file has no whole frame");
             end
         end
     end
 
-    task refuse(input [8*48-1:0] reason);
+    task reject(input [8*48-1:0] reason);
         begin
             $display("SENSOR-ERROR %0s", reason);
             $finish;

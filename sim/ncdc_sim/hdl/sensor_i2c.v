@@ -39,7 +39,7 @@ module sensor_i2c #(
     reg [3:0]  bits;                    // of the byte and its acknowledge that have come
     reg [7:0]  shift;                   // a byte that comes or goes
     reg        upper;                   // the byte is the upper one of two
-    reg        refused;                 // the controller did not acknowledge
+    reg        nack;                    // the controller did not acknowledge
     reg        moves;                    // the pointer moves on
     reg [31:0] starts;
     reg [31:0] left;                    // clocks of SCL for which SDA stays stuck
@@ -95,7 +95,7 @@ module sensor_i2c #(
             if (bits < 8 && state != GIVE)
                 shift <= {shift[6:0], sda};
             if (bits == 8)
-                refused <= sda;
+                nack <= sda;
             bits <= bits + 1;
         end
     endtask
@@ -119,7 +119,7 @@ module sensor_i2c #(
             end else if (bits == 9) begin
                 bits <= 0;
                 sda_low <= 0;
-                if (state == GIVE && refused)
+                if (state == GIVE && nack)
                     state <= IDLE;
                 else if (state == GIVE) begin
                     shift <= {given[6:0], 1'b0};

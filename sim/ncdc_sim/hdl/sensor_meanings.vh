@@ -13,5 +13,5 @@
     `NCDC_MEANING wire [47:0]        exposure,         // pixel clocks
     `NCDC_MEANING wire [31:0]        gain,             // 256 is 1
     `NCDC_MEANING wire [3:0]         pattern,          // as of sensor_core
-    `NCDC_MEANING wire [47:0]        colours,          // green beside red, red, blue, green beside blue
+    `NCDC_MEANING wire [47:0]        colours,          // Gr, R, B, Gb
     `NCDC_MEANING wire [11:0]        black

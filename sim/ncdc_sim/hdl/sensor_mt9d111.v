@@ -13,8 +13,8 @@ module sensor_mt9d111 (
     reg [15:0] file [0:255];            // page 0
     reg [15:0] processor [0:511];       // pages 1 and 2
     wire [15:0] page = file[PAGE];
-    wire [8:0]  place = {page[1], pointer[7:0]};
-    assign answer = page == 0 || pointer[7:0] == PAGE ? file[pointer[7:0]] : processor[place];
+    wire [8:0]  index = {page[1], pointer[7:0]};
+    assign answer = page == 0 || pointer[7:0] == PAGE ? file[pointer[7:0]] : processor[index];
 
     integer k;
     task defaults;
@@ -52,7 +52,7 @@ module sensor_mt9d111 (
                 processor[k] <= 0;
             processor[8'h09] <= 2;      // the image processor's samples
         end else if (write && page != 0 && pointer[7:0] != PAGE)
-            processor[place] <= value;
+            processor[index] <= value;
         else if (write && pointer[7:0] == 8'h0D && value[0]) begin
             defaults;
             file[8'h0D] <= 1;

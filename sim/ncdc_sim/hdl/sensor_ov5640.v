@@ -12,8 +12,8 @@ module sensor_ov5640 (
     // Registers 0x3000 to 0x5FFF.
     reg [7:0] file [0:16'h2FFF];
     wire there = pointer >= 16'h3000 && pointer < 16'h6000;
-    wire [13:0] place = pointer[13:0] - 14'h3000;
-    assign answer = there ? {8'd0, file[place]} : 0;
+    wire [13:0] index = pointer[13:0] - 14'h3000;
+    assign answer = there ? {8'd0, file[index]} : 0;
 
     integer k;
     task defaults;
@@ -51,7 +51,7 @@ module sensor_ov5640 (
         else if (write && pointer == 16'h3008 && value[7])
             defaults;
         else if (write && there && pointer != 16'h300A && pointer != 16'h300B) begin
-            file[place] <= value[7:0];
+            file[index] <= value[7:0];
             if ((pointer == 16'h3814 || pointer == 16'h3815) && value[7:0] != 8'h11
                 && value[7:0] != 8'h31)
                 $display("SENSOR-ERROR skipping by 1 and 2 is modelled");

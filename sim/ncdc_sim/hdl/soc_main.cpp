@@ -89,7 +89,7 @@ unsigned number16(const uint8_t* data) { return data[0] << 8 | data[1]; }
 // Clocks that commands wait for their answers. One command of each protocol is under way at a time.
 class Answers {
 public:
-    explicit Answers(bool told) : told(told) {}
+    explicit Answers(bool logged) : logged(logged) {}
 
     // A frame, without preamble and check sequence, of which the first byte came at that clock.
     void received(const uint8_t* data, uint64_t clock) {
@@ -100,7 +100,7 @@ public:
     void sent(const uint8_t* data, uint64_t clock, uint64_t pictures) {
         const int which = protocol(data, PORT_AT);
         if (which < 0 || !asked[which]) return;
-        if (told)
+        if (logged)
             fprintf(stderr, "ANSWER %s %llu %llu\n", which ? "table" : "gvcp",
                     (unsigned long long)(clock - asked[which]), (unsigned long long)pictures);
         asked[which] = 0;
@@ -116,15 +116,15 @@ private:
         return data[23] == TCP && port == TABLE_PORT && number16(data + 16) > headers ? 1 : -1;
     }
 
-    const bool told;
+    const bool logged;
     uint64_t asked[2] = {0, 0};
 };
 
 // The wire between the system's PHY and the interface.
 class Wire {
 public:
-    Wire(Vsoc_bench& bench, int tap, unsigned loss, bool told)
-        : bench(bench), tap(tap), loss(loss), answers(told) {}
+    Wire(Vsoc_bench& bench, int tap, unsigned loss, bool logged)
+        : bench(bench), tap(tap), loss(loss), answers(logged) {}
 
     // After a rising edge of the clock: takes a byte that is sent, gives the next one.
     void clock(uint64_t clocks) {
@@ -229,7 +229,7 @@ int main(int argc, char** argv) {
               text(argc, argv, "+answers") != nullptr);
     if (name) fprintf(stderr, "TAP %s\n", name);
     const bool keyboard = isatty(STDIN_FILENO);
-    double told = 0;
+    double reported = 0;
     uint64_t clocks = 0;
     for (; !stopped && !context->gotFinish() && clocks < last; ++clocks) {
         bench->rst = clocks < RESET_CLOCKS;
@@ -251,8 +251,8 @@ int main(int argc, char** argv) {
         } else {
             bench->terminal_valid = 0;
         }
-        if (rate && clocks % 65536 == 0 && cpu_seconds() >= told + 1) {
-            told = cpu_seconds();
+        if (rate && clocks % 65536 == 0 && cpu_seconds() >= reported + 1) {
+            reported = cpu_seconds();
             report(clocks, wire);
         }
     }

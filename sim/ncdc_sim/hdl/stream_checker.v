@@ -32,7 +32,7 @@ module stream_checker #(
     reg             host_rst_before;
     wire            breaking = host_rst || host_rst_before;
 
-    task breach(input [8*16-1:0] rule);
+    task violation(input [8*16-1:0] rule);
         begin
             if (errors < 20)
                 $display("AVALON-ERROR %0s %0s %0t", NAME, rule, $time);
@@ -51,14 +51,14 @@ module stream_checker #(
             host_rst_before = 0;
         end else begin
             if (^valid === 1'bx)
-                breach("unknown");
+                violation("unknown");
             if (was_waiting && (!valid || {startofpacket, endofpacket, data} !== was_payload))
-                breach("held");
+                violation("held");
             if (valid && !was_waiting) begin
                 if (^{startofpacket, endofpacket, data} === 1'bx)
-                    breach("unknown");
+                    violation("unknown");
                 if (startofpacket == in_packet && !breaking)
-                    breach("packet-start");
+                    violation("packet-start");
             end
             if (valid && ready) begin
                 beats = beats + 1;

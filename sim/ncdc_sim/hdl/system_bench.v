@@ -45,11 +45,11 @@ module system_bench (
 
     reg rst = 1, module_rst = 1, memory_rst = 1;
     reg sensor_reset_n = 0;
-    reg [31:0] memory_bytes, sink_chance;
+    reg [31:0] memory_bytes, sink_probability;
 
     initial begin
         if (!$value$plusargs("memory_bytes=%d", memory_bytes)) memory_bytes = 0;
-        if (!$value$plusargs("sink_chance=%d", sink_chance)) sink_chance = 256;
+        if (!$value$plusargs("sink_probability=%d", sink_probability)) sink_probability = 256;
         memory.fill(0, memory_bytes, 8'hA5);
     end
 

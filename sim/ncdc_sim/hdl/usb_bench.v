@@ -42,24 +42,24 @@ module usb_bench (
     end
 
     // The word of a number in the row: any bits, and now and then not all of its bytes.
-    function [31:0] mixed(input [31:0] place);
+    function [31:0] mixed(input [31:0] number);
         reg [31:0] x;
         begin
-            x = place * 32'h9E3779B1 + 32'h7F4A7C15;
+            x = number * 32'h9E3779B1 + 32'h7F4A7C15;
             x = x ^ (x >> 15);
             x = x * 32'h85EBCA77;
             mixed = x ^ (x >> 13);
         end
     endfunction
 
-    function [8*L-1:0] word(input [31:0] place);
-        word = mixed(place);
+    function [8*L-1:0] word(input [31:0] number);
+        word = mixed(number);
     endfunction
 
-    function [L-1:0] lanes_of(input [31:0] place);
+    function [L-1:0] lanes_of(input [31:0] number);
         reg [31:0] x;
         begin
-            x = mixed(~place);
+            x = mixed(~number);
             lanes_of = L == 1 || x[7:4] != 0 ? {L{1'b1}} : {L{1'b1}} >> x[1:0];
         end
     endfunction

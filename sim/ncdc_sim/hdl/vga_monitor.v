@@ -15,7 +15,7 @@ module vga_monitor #(parameter SETUP = 500, HOLD = 1500) (
 );
     real last, period, changed;
     integer errors, file;
-    reg told = 0;
+    reg measured = 0;
     reg visible = 0;                    // as the converter shows it
     reg [7:0] red = 0, green = 0, blue = 0;
     initial begin
@@ -29,26 +29,26 @@ module vga_monitor #(parameter SETUP = 500, HOLD = 1500) (
             if (errors < 20)
                 case (reason)
                     0: $display("MONITOR-ERROR inputs change before the clock");
-                    1: $display("MONITOR-ERROR inputs change behind the clock");
+                    1: $display("MONITOR-ERROR inputs change after the clock");
                     default: $display("MONITOR-ERROR a colour in the blanking");
                 endcase
         end
     endtask
 
     always @(r, g, b, blank_n) begin
-        if (told && $realtime - last < HOLD) wrong(1);
+        if (measured && $realtime - last < HOLD) wrong(1);
         changed = $realtime;
     end
     always @(posedge clock) begin
-        if (told && $realtime - changed < SETUP) wrong(0);
+        if (measured && $realtime - changed < SETUP) wrong(0);
         period = $realtime - last;
         last = $realtime;
-        if (!told && visible) begin
-            told = 1;
+        if (!measured && visible) begin
+            measured = 1;
             $display("MONITOR clock %0f", period);
         end
         if (!visible && {red, green, blue} != 0) wrong(2);
-        if (told)
+        if (measured)
             $fwrite(file, "%c%c%c%c", red, green, blue, {5'd0, vsync, hsync, visible});
         visible = blank_n;
         red = r;

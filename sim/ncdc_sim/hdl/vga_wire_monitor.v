@@ -16,7 +16,7 @@ module vga_wire_monitor #(
     wire h = hsync == HIGH, v = vsync == HIGH;
     real last, line;                    // when the last pulse began; time from one to the next
     integer errors, file, pulses, k, rows;
-    reg told = 0, shown;
+    reg measured = 0, shown;
     initial begin
         last = 0; line = 0; errors = 0; rows = 0; pulses = -1;
         file = $fopen("screen.bin", "wb");
@@ -30,13 +30,13 @@ module vga_wire_monitor #(
         rows = rows + 1;
         pulses = pulses + 1;
         if (pulses == 2) begin
-            told = 1;
+            measured = 1;
             $display("MONITOR clock %0f", line / TOTAL);
         end
     end
     always @(posedge h) begin
         #1;
-        if (told) begin
+        if (measured) begin
             #(line / TOTAL / 2 - 1);
             for (k = 0; k < TOTAL; k = k + 1) begin
                 shown = k >= H_SYNC + H_BACK && k < H_SYNC + H_BACK + H

@@ -34,13 +34,13 @@ module vip_unpacker (
     reg  [25:0] queue [0:7];
     reg  [2:0]  first = 0;
     reg  [3:0]  count = 0;
-    wire [2:0]  behind = first + count[2:0];
+    wire [2:0]  tail = first + count[2:0];
     wire        put = in_valid && packet == PIXELS && !in_startofpacket;
     wire        take = valid && ready;
     assign valid = count != 0;
     assign {startofpacket, endofpacket, data} = queue[first];
 
-    task breach(input [8*8-1:0] rule);
+    task violation(input [8*8-1:0] rule);
         $display("AVALON-ERROR vip %0s %0t", rule, $time);
     endtask
 
@@ -57,39 +57,39 @@ module vip_unpacker (
             allowed <= 0;
             in_ready <= 0;
         end else begin
-            if (in_valid && !allowed) breach("latency");
+            if (in_valid && !allowed) violation("latency");
             if (in_valid && in_startofpacket) begin
-                if (packet != NONE || in_endofpacket) breach("packet");
+                if (packet != NONE || in_endofpacket) violation("packet");
                 beat <= 0;
                 pixels <= 0;
                 case (in_data[3:0])
                     4'd15: packet <= CONTROL;
                     4'd0: begin
                         packet <= PIXELS;
-                        if (!announced) breach("order");
+                        if (!announced) violation("order");
                     end
-                    default: breach("type");
+                    default: violation("type");
                 endcase
             end else if (in_valid && packet == CONTROL) begin
                 control <= next_control;
                 beat <= beat + 1;
-                if (in_data & 24'hF0F0F0) breach("control");
+                if (in_data & 24'hF0F0F0) violation("control");
                 if (in_endofpacket) begin
                     packet <= NONE;
                     announced <= 1;
-                    if (beat != 2 || next_control[3:0] != 4'b0011) breach("control");
+                    if (beat != 2 || next_control[3:0] != 4'b0011) violation("control");
                 end
             end else if (in_valid && packet == PIXELS) begin
                 pixels <= pixels + 1;
                 if (in_endofpacket) begin
                     packet <= NONE;
                     announced <= 0;
-                    if (pixels + 1 != width * height) breach("size");
+                    if (pixels + 1 != width * height) violation("size");
                 end
             end else if (in_valid)
-                breach("packet");
+                violation("packet");
             if (put)
-                queue[behind] <= {pixels == 0, in_endofpacket, in_data};
+                queue[tail] <= {pixels == 0, in_endofpacket, in_data};
             count <= count + put - take;
             if (take)
                 first <= first + 1;

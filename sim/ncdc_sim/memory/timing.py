@@ -44,7 +44,7 @@ def memory_settings(memory, data_width, ports):
         1, round(256 * memory.bytes_per_clock / word))
     return {"dram": 0, "latency_min": memory.latency[0], "latency_max": memory.latency[1],
             "rate": rate, "granule": -(-memory.granule // word),
-            "wait_chance": memory.wait_probability, "max_pending": memory.max_pending}
+            "wait_probability": memory.wait_probability, "max_pending": memory.max_pending}
 
 
 def _log2(value):

@@ -17,7 +17,7 @@ from ncdc_spec.sensors.sensor import bayer_at
 __all__ = ["moving_photo", "still_raw"]
 
 _FULL = 4095            # of a sensor's sample
-_MOST_BYTES = 2 << 30   # of samples of a moving photo
+_MAX_BYTES = 2 << 30    # of samples of a moving photo
 _STEPS = 12             # of Newton's iteration: the last ones change less than a thousandth
 
 
@@ -117,11 +117,11 @@ def _check_bytes(setup, crop, frames):
     """Raises :class:`InputError` if frames of all active pixels take too much memory."""
     asked = setup.settings
     one = 2 * asked.skip**2 * asked.width * asked.height
-    if frames * one > _MOST_BYTES:
+    if frames * one > _MAX_BYTES:
         raise InputError(
             f"{frames} frames of the {asked.skip * asked.width}x{asked.skip * asked.height} pixels "
             f"that the {setup.sensor.name} reads take {frames * one / 1e9:.1f} GB: at most "
-            f"{_MOST_BYTES // one} fit, or a field that is not reduced")
+            f"{_MAX_BYTES // one} fit, or a field that is not reduced")
 
 
 def _inverse(forward, shape):

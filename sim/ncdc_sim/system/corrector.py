@@ -12,7 +12,7 @@ from ncdc_model.planner.tags import accesses, misses
 from ncdc_sim.system.frame import Camera, Program, Run, simulate_frame
 from ncdc_spec.colour import Colour
 from ncdc_spec.frames import (
-    FramePlaces,
+    FrameAddresses,
     frame_bytes,
     output_format,
     raw_image,
@@ -190,7 +190,7 @@ def simulate_correction(descriptor, raw, hardware=Hardware(), *, verilog=None, f
     hardware = hardware.made_for(descriptor)
     if verilog is None:
         verilog = corrector_verilog(descriptor, hardware)
-    buffers = FramePlaces.after_reset(geometry, hardware.data_width)
+    buffers = FrameAddresses.after_reset(geometry, hardware.data_width)
     width, height = geometry.corrected
     form, follow = output_format(hardware.format), follow_line is not None
     camera = Camera(*geometry.distorted, buffers.pitch, follow_line) if follow else None

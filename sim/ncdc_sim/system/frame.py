@@ -181,7 +181,7 @@ class Run:
         Clocks after which the run is given up; 100 per output byte and a million if absent.
     seed : int
         Seed of all random behaviour.
-    sink_chance : int
+    sink_probability : int
         How often, of 256 clocks, the sink of a stream is ready.
     waves : Waves, optional
         Where to write the waveforms.
@@ -192,7 +192,7 @@ class Run:
     simulator: str = "verilator"
     clock_limit: int | None = None
     seed: int = 1
-    sink_chance: int = 256
+    sink_probability: int = 256
     waves: Waves | None = None
     more: tuple = ()
 
@@ -245,7 +245,7 @@ def simulate_frame(verilog, source, program, *, source_base, output_base, output
         "source_base": source_base, "source_bytes": len(source), "output_base": output_base,
         "output_bytes": output_bytes, "program_words": len(program.operations) + 1,
         "clock_limit": run.clock_limit or 1000000 + 100 * output_bytes, "seed": run.seed,
-        "sink_chance": run.sink_chance, "progress_step": max(1, output_bytes // 100)}
+        "sink_probability": run.sink_probability, "progress_step": max(1, output_bytes // 100)}
     if camera:
         settings |= {f"camera_{name}": value for name, value in vars(camera).items()}
     listener = _Listener(output_bytes, module.width // 8, module.readers, progress)

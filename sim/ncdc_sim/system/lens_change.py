@@ -8,8 +8,8 @@ from ncdc_hdl.export.drivers.lenses import Lens
 from ncdc_model.golden.corrector import correct
 from ncdc_sim.system.frame import Program, simulate_frame
 from ncdc_sim.system.series import aligned, differing, output_bytes
-from ncdc_spec.frames import FramePlaces, frame_bytes, raw_image
-from ncdc_spec.registers.host_values import place_values
+from ncdc_spec.frames import FrameAddresses, frame_bytes, raw_image
+from ncdc_spec.registers.host_values import address_values
 from ncdc_spec.registers.register_map import (
     CTRL_COMMIT,
     CTRL_START,
@@ -165,8 +165,8 @@ def _prepare(program, layout, rows, k, intruder):
     """Write the set and the valid rows of frame ``k``, commit and start."""
     turn, bank = k % len(layout.lenses), k % 2
     lens = layout.lenses[turn]
-    buffers = FramePlaces(layout.sources[turn], layout.targets[k], lens.values["SOURCE_PITCH"])
-    changed = lens.values | place_values(layout.geometries[turn], layout.data_width, buffers) | {
+    buffers = FrameAddresses(layout.sources[turn], layout.targets[k], lens.values["SOURCE_PITCH"])
+    changed = lens.values | address_values(layout.geometries[turn], layout.data_width, buffers) | {
         "VALID_BANK": bank}
     for name, value in changed.items():
         program.write(rows[name].address, value)

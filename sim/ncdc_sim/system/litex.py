@@ -17,7 +17,7 @@ from ncdc_soc.module_soc import MAIN_RAM, REGISTERS, module_soc_verilog
 from ncdc_spec.descriptor import Descriptor
 from ncdc_spec.errors import InputError
 from ncdc_spec.frames import (
-    FramePlaces,
+    FrameAddresses,
     output_format,
     raw_image,
     source_bytes,
@@ -151,7 +151,7 @@ def simulate_module(descriptor, raw, hardware=Hardware(format="BGR8"), cpu="none
 def _fill(folder, soc, descriptor, hardware, raw, frames):
     """Write what the program reads: the raw frame, the operations."""
     geometry = descriptor.geometry
-    buffers = FramePlaces.after_reset(geometry, hardware.data_width)
+    buffers = FrameAddresses.after_reset(geometry, hardware.data_width)
     stored = output_format("BGRX8" if hardware.stream else hardware.format)
     record = frames[2]
     size = 0 if hardware.stream and not record else target_bytes(geometry, hardware.data_width,

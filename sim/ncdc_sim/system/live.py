@@ -50,7 +50,7 @@ class LiveRun:
     simulator : str
     seed : int
         Seed of the memory's random behaviour.
-    sink_chance : int
+    sink_probability : int
         How often, of 256 clocks, the sink of a stream is ready.
     waves : Waves, optional
         Where to write the waveforms; they are complete after the context.
@@ -62,7 +62,7 @@ class LiveRun:
     fault: Fault | None = None
     simulator: str = "verilator"
     seed: int = 1
-    sink_chance: int = 256
+    sink_probability: int = 256
     waves: Waves | None = None
     more: tuple = ()
 
@@ -108,8 +108,8 @@ class LiveSystem:
         binary = self._build(verilog, ports, sensor, run.simulator, memory_bytes,
                              build_options(run.waves, run.simulator))
         settings = memory_settings(memory, self.width, self.readers) | {
-            "memory_bytes": memory_bytes, "seed": run.seed, "sink_chance": run.sink_chance,
-            **vars(run.clocks)}
+            "memory_bytes": memory_bytes, "seed": run.seed,
+            "sink_probability": run.sink_probability, **vars(run.clocks)}
         plusargs = [*(f"+{key}={value}" for key, value in settings.items()),
                     *light.plusargs("sensor.bin"), *(run.fault.plusargs() if run.fault else []),
                     *run.more]

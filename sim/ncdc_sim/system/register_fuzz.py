@@ -7,8 +7,8 @@ import numpy as np
 from ncdc_model.golden.corrector import correct
 from ncdc_sim.system.frame import Program, simulate_frame
 from ncdc_sim.system.series import aligned, begin, differing, output_bytes
-from ncdc_spec.frames import FramePlaces, frame_bytes, output_format, raw_image
-from ncdc_spec.registers.host_values import host_values, place_values
+from ncdc_spec.frames import FrameAddresses, frame_bytes, output_format, raw_image
+from ncdc_spec.registers.host_values import address_values, host_values
 from ncdc_spec.registers.register_map import CTRL_ABORT, STATUS_DONE, TABLE
 
 __all__ = ["FuzzResult", "simulate_register_fuzz"]
@@ -72,8 +72,8 @@ def simulate_register_fuzz(corrector, verilog, raw, frames, *, seed=1, **options
     for k in range(frames):
         _fuzzed_frame(program, rng, table, right, junk, bool(k % 2))
         target = base + k * step
-        values = right | place_values(d.geometry, hardware.data_width,
-                                      FramePlaces(0, target, pitch), form)
+        values = right | address_values(d.geometry, hardware.data_width,
+                                      FrameAddresses(0, target, pitch), form)
         program.allow((0, values["SOURCE_LIMIT"]), (target, target + size))
         begin(program, rows, values)
         program.wait_irq().compare(rows["FAULT"], 0).write(rows["STATUS"], STATUS_DONE)

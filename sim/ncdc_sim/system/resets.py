@@ -7,8 +7,8 @@ import numpy as np
 from ncdc_model.golden.corrector import correct
 from ncdc_sim.system.frame import Program, simulate_frame
 from ncdc_sim.system.series import aligned, begin, differing, output_bytes
-from ncdc_spec.frames import FramePlaces, frame_bytes, raw_image
-from ncdc_spec.registers.host_values import place_values
+from ncdc_spec.frames import FrameAddresses, frame_bytes, raw_image
+from ncdc_spec.registers.host_values import address_values
 from ncdc_spec.registers.register_map import STATUS_DONE
 
 __all__ = ["Resets", "simulate_resets"]
@@ -66,8 +66,8 @@ def simulate_resets(corrector, verilog, raws, frames, *, forgets, longest, seed=
     program = Program()
 
     def begin_at(source, target):
-        begin(program, rows, place_values(d.geometry, corrector.hardware.data_width,
-                                          FramePlaces(source, target, pitch)))
+        begin(program, rows, address_values(d.geometry, corrector.hardware.data_width,
+                                          FrameAddresses(source, target, pitch)))
 
     for k in range(frames):
         # The frame that is cut short goes to the first buffer, the others each to its own.

@@ -28,7 +28,7 @@ _SENSOR = "mt9p031"
 _TIME_SCALE = 1000
 _QUEUE_BYTES = 18 * 1024        # of the packetiser: two packets of an MTU of 9000
 _STARTED = "address: "          # what the firmware says when it listens
-_PATIENCE_S = 120
+_TIMEOUT_S = 120
 
 
 class SocModel:
@@ -166,7 +166,7 @@ class SocRun:
 
     def wait_for(self, there):
         """Wait until ``there()``; :class:`SimulationError` if the program ends or it takes long."""
-        end = time.monotonic() + _PATIENCE_S
+        end = time.monotonic() + _TIMEOUT_S
         while not there():
             if self._process.poll() is not None or time.monotonic() > end:
                 raise SimulationError("what was waited for has not come:\n"
@@ -192,5 +192,5 @@ class SocRun:
     def end(self):
         """End the run; what the simulation says of itself, as text."""
         self._process.terminate()
-        self._process.wait(_PATIENCE_S)
+        self._process.wait(_TIMEOUT_S)
         return self._said.read_text()

@@ -3,7 +3,7 @@
 #include "hw.h"
 
 #define TRIES 3		/* of an access */
-#define MOST 6		/* bytes of one */
+#define MAX_BYTES 6	/* bytes of one */
 
 struct write {
 	uint16_t address, value;
@@ -21,7 +21,7 @@ static struct {
 	enum phase phase;
 	bool writes, failed;
 	uint32_t address, value;
-	uint32_t commands[MOST];	/* of the I2C controller, one for each byte */
+	uint32_t commands[MAX_BYTES];	/* of the I2C controller, one for each byte */
 	unsigned count, sent, tries;
 	uint32_t received;
 } bus;

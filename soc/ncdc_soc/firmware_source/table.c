@@ -80,7 +80,7 @@ static bool answer(struct user *user)
 {
 	uint8_t *bytes = user->bytes;
 	uint32_t address = get16(bytes + 1), value;
-	uint8_t refused[2] = {UNKNOWN, bytes[0]};
+	uint8_t unknown[2] = {UNKNOWN, bytes[0]};
 
 	if (bytes[0] == WRITE && !user->written) {
 		if (word_write(address, get16(bytes + 3)) == UNDER_WAY)
@@ -101,7 +101,7 @@ static bool answer(struct user *user)
 		user->mraw.state = MRAW_ASKED;
 		return true;
 	}
-	tcp_write(user->pcb, refused, sizeof refused, TCP_WRITE_FLAG_COPY);
+	tcp_write(user->pcb, unknown, sizeof unknown, TCP_WRITE_FLAG_COPY);
 	return false;
 }
 

@@ -24,15 +24,15 @@ int words_begin(void)
 	const struct {
 		uint16_t *word;
 		uint32_t address;
-	} kept[] = {{&shutter_upper, SENSOR_SHUTTER_UPPER}, {&shutter_lower, SENSOR_SHUTTER_LOWER},
+	} cached[] = {{&shutter_upper, SENSOR_SHUTTER_UPPER}, {&shutter_lower, SENSOR_SHUTTER_LOWER},
 		    {&gain, SENSOR_GAIN}, {&pattern, SENSOR_PATTERN}};
 
-	for (unsigned k = 0; k < sizeof kept / sizeof *kept; ++k) {
-		int32_t value = sensor_read(kept[k].address);
+	for (unsigned k = 0; k < sizeof cached / sizeof *cached; ++k) {
+		int32_t value = sensor_read(cached[k].address);
 
 		if (value < 0)
 			return -1;
-		*kept[k].word = (uint16_t)value;
+		*cached[k].word = (uint16_t)value;
 	}
 	return 0;
 }
@@ -54,7 +54,7 @@ uint32_t words_frame_clocks(void)
 }
 
 /* Where the sensor's register is cached; 0: it is not. */
-static uint16_t *kept(uint32_t address)
+static uint16_t *cached(uint32_t address)
 {
 	switch (address) {
 	case SENSOR_SHUTTER_UPPER: return &shutter_upper;
@@ -91,13 +91,13 @@ static uint32_t page_read(uint32_t address)
 
 bool word_read(uint32_t address, uint32_t *value)
 {
-	const uint16_t *place = kept(address);
+	const uint16_t *copy = cached(address);
 
 	*value = 0;
 	if (address >= PAGE)
 		*value = page_read(address);
-	else if (place)
-		*value = *place;
+	else if (copy)
+		*value = *copy;
 	else if (address <= SENSOR_LAST)
 		return sensor_ask(false, address, value) != SENSOR_UNDER_WAY;
 	return true;
@@ -150,7 +150,7 @@ static enum refusal user_writes(uint32_t address, uint32_t value)
 
 static enum refusal write_sensor(uint32_t address, uint32_t value)
 {
-	uint16_t *place = kept(address);
+	uint16_t *copy = cached(address);
 	enum refusal refusal = user_writes(address, value);
 
 	if (refusal)
@@ -160,8 +160,8 @@ static enum refusal write_sensor(uint32_t address, uint32_t value)
 	case SENSOR_SILENT: return NO_ANSWER;
 	case SENSOR_DONE: break;
 	}
-	if (place)
-		*place = (uint16_t)value;
+	if (copy)
+		*copy = (uint16_t)value;
 	words_changed = interrupt_frames(true);
 	return DONE;
 }
@@ -185,7 +185,7 @@ bool words_expose(const struct exposure *to, const struct limits *limits)
 		      {limits->gain, SENSOR_GAIN, (gain & ~SENSOR_GAIN_MASK) | to->gain}};
 
 	for (unsigned k = 0; k < sizeof writes / sizeof *writes; ++k)
-		if (writes[k].free && *kept(writes[k].address) != writes[k].value &&
+		if (writes[k].free && *cached(writes[k].address) != writes[k].value &&
 		    write_sensor(writes[k].address, writes[k].value) == UNDER_WAY)
 			return false;
 	return true;
@@ -193,16 +193,16 @@ bool words_expose(const struct exposure *to, const struct limits *limits)
 
 enum refusal word_write(uint32_t address, uint32_t value)
 {
-	const uint16_t *place = kept(address);
+	const uint16_t *copy = cached(address);
 
 	/* What is there already is not written, as far as that is known without the bus. */
-	if (address >= PAGE ? page_read(address) == value : place && *place == value)
+	if (address >= PAGE ? page_read(address) == value : copy && *copy == value)
 		return DONE;
 	if (words_streaming && (address == WORD_SOURCE || address == WORD_FORMAT))
 		return LOCKED;
 	if (auto_locks(address))
 		return LOCKED;
-	if (place && auto_writes())
+	if (copy && auto_writes())
 		return UNDER_WAY;
 	return address >= PAGE ? write_page(address, value) : write_sensor(address, value);
 }
