@@ -8,7 +8,7 @@ from cases import cases
 
 
 def test_each_marker_is_on_a_test(request):
-    """Of all tests, before any is deselected: a marker that is left over says nothing."""
+    """Looks at all tests, before any is deselected: a marker without a test says nothing."""
     config = request.config
     if config.args != config.getini("testpaths"):
         pytest.skip("only some of the tests were asked for")

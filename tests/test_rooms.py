@@ -1,5 +1,6 @@
-"""Who may import whom: the table of rooms, no circles of modules, a model without Amaranth; and how
-long a function may be."""
+"""Who may import whom: the table of packages, no circles of modules, a model without Amaranth.
+
+Also how long a function may be."""
 
 import ast
 import subprocess
@@ -34,10 +35,10 @@ MAY_IMPORT = {
 
 
 def modules():
-    """Source text of every module of every room, by its dotted name."""
+    """Source text of every module of every package, by its dotted name."""
     found = {}
-    for room, folder in FOLDERS.items():
-        for path in sorted((ROOT / folder / room).rglob("*.py")):
+    for package, folder in FOLDERS.items():
+        for path in sorted((ROOT / folder / package).rglob("*.py")):
             parts = path.relative_to(ROOT / folder).with_suffix("").parts
             found[".".join(parts[:-1] if parts[-1] == "__init__" else parts)] = path.read_text()
     return found
@@ -50,7 +51,7 @@ def imported(text, known):
         if isinstance(node, ast.Import):
             names |= {alias.name for alias in node.names}
         elif isinstance(node, ast.ImportFrom):
-            assert not node.level, "imports name their room"
+            assert not node.level, "imports name their package"
             parts = {f"{node.module}.{alias.name}" for alias in node.names}
             names |= {part if part in known else node.module for part in parts}
     return {name for name in names if name.partition(".")[0] in MAY_IMPORT}
@@ -89,7 +90,7 @@ def circle(texts, group=lambda name: name):
     return []
 
 
-def test_no_room_imports_one_that_stands_on_it():
+def test_no_package_imports_one_that_stands_on_it():
     texts = modules()
     assert len(texts) > 100 and {name.partition(".")[0] for name in texts} <= MAY_IMPORT.keys()
     assert upward(texts) == []
@@ -142,7 +143,7 @@ def import_without_amaranth(*names):
 
 
 @pytest.mark.longer
-def test_rooms_that_do_without_amaranth():
+def test_packages_that_do_without_amaranth():
     """The host's belongs to them from the day on which it is built."""
     names = [name for name in modules()
              if name.partition(".")[0] in ("ncdc_model", "ncdc_host", "ncdc_spec")]

@@ -1,4 +1,4 @@
-"""The Colorlight i9: its pins against two other projects', its clocks, and what is refused."""
+"""The Colorlight i9: pins as two other projects have them, clocks, what is rejected."""
 
 import re
 from pathlib import Path
@@ -95,7 +95,7 @@ def test_the_loop_makes_each_clock():
         clock_plan(None, 60)
 
 
-def refused(capsys, *arguments):
+def rejected(capsys, *arguments):
     """The sentence with which the command ends."""
     assert main(["build", *map(str, arguments), "--board", NAME]) == 2
     lines = capsys.readouterr().err.strip().splitlines()
@@ -110,17 +110,17 @@ def refused(capsys, *arguments):
     ([(62, 24)], [], "a row of the corrected picture has 186 bytes, .* 4 at once: 60 or 64 pixels"),
     ([(64, 24, 2000, 1500)], [], "the frames take .* MB, the colorlight-i9 has 8.4 MB"),
 ])
-def test_what_does_not_fit_is_refused(tmp_path, capsys, sizes, options, said):
+def test_what_does_not_fit_is_rejected(tmp_path, capsys, sizes, options, said):
     paths = [tmp_path / f"{k}.toml" for k in range(len(sizes))]
     for path, size in zip(paths, sizes):
         barrel_descriptor(size[:2], size[-2:], hidden_neurons=2).save(path)
     output = tmp_path / "out"
-    assert re.search(said, refused(capsys, *paths, *options, "-o", output))
+    assert re.search(said, rejected(capsys, *paths, *options, "-o", output))
     assert not output.exists()
 
 
-def test_an_interpolation_without_room_is_refused(tmp_path, capsys):
+def test_an_interpolation_without_space_is_rejected(tmp_path, capsys):
     path = tmp_path / "net.toml"
     barrel_descriptor((64, 24), (64, 24), hidden_neurons=2, interpolation=GRADIENT).save(path)
-    assert "has space for fast: ncdc train --interpolation fast" in refused(
+    assert "has space for fast: ncdc train --interpolation fast" in rejected(
         capsys, path, "-o", tmp_path / "out")

@@ -218,7 +218,7 @@ def test_the_processor_sets_transmitter_and_sensor_up(host, project):
     assert sent == [(0x39, bytes([w["register"], w["value"]])) for w in transmitter["writes"]] + [
         (sensor["i2c_address"], bytes([w["register"]]) + w["value"].to_bytes(2, "big"))
         for w in sensor["writes"]]
-    # Frames have a place, and the camera waits, before the sensor sends.
+    # Frames have buffers, and the camera waits, before the sensor sends.
     order = [entry if isinstance(entry, str) else "i2c" for entry in bus.log]
     last = len(order) - 1 - order[::-1].index("i2c")
     enabled = len(order) - 1 - order[::-1].index("CAMERA_ENABLE")
@@ -229,7 +229,7 @@ def test_the_processor_sets_transmitter_and_sensor_up(host, project):
 
 
 @pytest.mark.longer
-def test_frames_lie_apart_in_the_memory_kept_for_them(host, project):
+def test_frames_lie_apart_in_the_memory_reserved_for_them(host, project):
     _, bus, settings = started(host, project)
     bases = sorted((value, name) for name, offset in bus.names.OFFSET.items()
                    if name.endswith("_BASE") and name[0] in "RC"

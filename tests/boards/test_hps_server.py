@@ -85,14 +85,14 @@ def test_no_user_writes_another_register_of_the_sensor(running):
 
 def test_silent_users_give_their_position_to_a_new_one(running):
     running.server._users._idle_seconds = .3
-    kept = [running.connection() for _ in range(running.settings["table"]["users"])]
-    assert kept[-1].read(system_word("WIDTH")) == WIDTH
+    connections = [running.connection() for _ in range(running.settings["table"]["users"])]
+    assert connections[-1].read(system_word("WIDTH")) == WIDTH
     with pytest.raises(DeviceError):
         running.connection().read(system_word("WIDTH"))
     time.sleep(.35)
-    assert kept[-1].read(system_word("WIDTH")) == WIDTH
+    assert connections[-1].read(system_word("WIDTH")) == WIDTH
     assert running.connection().read(system_word("WIDTH")) == WIDTH
-    assert kept[-1].read(system_word("WIDTH")) == WIDTH
+    assert connections[-1].read(system_word("WIDTH")) == WIDTH
 
 
 @pytest.mark.longer
@@ -139,12 +139,12 @@ def test_what_is_no_request_ends_the_connection(running):
         assert found == answer
 
 
-def test_more_users_than_there_are_places(running):
-    kept = [running.connection() for _ in range(running.settings["table"]["users"])]
-    assert kept[-1].read(system_word("WIDTH")) == WIDTH
+def test_more_users_than_connections(running):
+    connections = [running.connection() for _ in range(running.settings["table"]["users"])]
+    assert connections[-1].read(system_word("WIDTH")) == WIDTH
     with pytest.raises(DeviceError):
         running.connection().read(system_word("WIDTH"))
-    for one in kept:
+    for one in connections:
         one.close()
 
 

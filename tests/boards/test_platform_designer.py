@@ -1,5 +1,5 @@
 """The component and the project for Platform Designer: each Tcl file run with recording stubs,
-checked against ports."""
+compared with the ports."""
 
 import re
 import subprocess
@@ -34,7 +34,7 @@ def projects(tmp_path_factory):
 
 
 def run_tcl(path, kind=None):
-    """Calls that a Tcl file makes: lists of words. ``kind``: if its name does not tell."""
+    """Calls that a Tcl file makes: lists of words. ``kind``: if its name does not say."""
     kind = kind or next(kind for ending, kind in KINDS.items() if path.name.endswith(ending))
     done = subprocess.run(["tclsh", RECORDER, kind, path], capture_output=True, text=True,
                           cwd=path.parent)
@@ -42,7 +42,7 @@ def run_tcl(path, kind=None):
     return [line.split("\x1f") for line in done.stdout.splitlines()]
 
 
-# In the list of ports, or behind it as Amaranth's converter declares those of the board's top.
+# In the list of ports, or after it as Amaranth's converter declares those of the board's top.
 _PORT = r"^  (input|output|inout) +(?:wire +|reg +)?(?:\[(\d+):0\] )?(\w+)"
 
 
@@ -90,7 +90,7 @@ def test_system_connects_what_exists(projects):
     ours = {call[1]: call[2:] for call in hw if call[0] == "add_interface"}
     instances = {call[1]: call[2] for call in calls if call[0] == "add_instance"}
     assert set(instances) == {"clk_0", "master_0", "ncdc_0", "memory_0"}
-    # The memory forgets in the reset of the corrector, and the corrector is told.
+    # The memory forgets in the reset of the corrector, and the corrector is notified.
     assert {call[2] for call in calls if call[:2] == ["add_connection", "clk_0.clk_reset"]} \
         >= {"ncdc_0.reset", "ncdc_0.memory_reset", "memory_0.reset"}
     assert ours["memory_reset"] == ["reset", "end"]
@@ -247,7 +247,7 @@ def test_other_packages_may_offer_boards(monkeypatch):
      "de10-nano, de2-115, faka2, ulx3s is needed"),
     (["--board", "de2-115"], "de2-115 has a whole design, with camera and screen: ncdc build"),
 ])
-def test_bad_boards_are_refused(projects, tmp_path, capsys, options, message):
+def test_bad_boards_are_rejected(projects, tmp_path, capsys, options, message):
     net = projects["faka2"].parent / "net.toml"
     assert main(["generate", str(net), "-o", str(tmp_path / "out"), *options]) == 2
     error = capsys.readouterr().err

@@ -152,7 +152,7 @@ def test_the_constraints_name_what_the_verilog_has(whole):
 
 
 def quartus(folder, tmp_path, slack, clocks, skew="0.2"):
-    """What build.sh ends with, with scripts in place of Quartus's programs."""
+    """What build.sh ends with, with scripts instead of Quartus's programs."""
     tools = tmp_path / "bin"
     tools.mkdir(exist_ok=True)
     for tool in ("map", "fit", "asm", "sta"):
@@ -214,7 +214,7 @@ def test_colour_adds_its_registers(tmp_path, monkeypatch):
     ((64, 24), ["--board", "none"], "board is 'none', one of colorlight-i9, de0-cv, "
      "de1-soc, de10-nano, de2-115, faka2, ulx3s is needed"),
 ])
-def test_what_does_not_fit_is_refused_in_a_sentence(tmp_path, capsys, size, options, said):
+def test_what_does_not_fit_is_rejected_in_a_sentence(tmp_path, capsys, size, options, said):
     barrel_descriptor(size, (64, 24), hidden_neurons=2).save(tmp_path / "net.toml")
     output = tmp_path / "out"
     assert main(["build", str(tmp_path / "net.toml"), "-o", str(output), *options]) == 2
@@ -222,7 +222,7 @@ def test_what_does_not_fit_is_refused_in_a_sentence(tmp_path, capsys, size, opti
 
 
 def the_sentence(capsys):
-    """What a command said last, behind its progress."""
+    """What a command said last, after its progress."""
     *before, last = capsys.readouterr().err.splitlines()
     assert all(line.startswith("planning:") for line in before), before
     return last
@@ -242,13 +242,13 @@ def the_sentence(capsys):
     ((64, 24), ["--system"], "--system is of a board: --board NAME is needed"),
     ((64, 24), ["--board", "de0-cv", "--system"], "has no Ethernet chip, which --system needs"),
 ])
-def test_plan_refuses_in_a_sentence(tmp_path, capsys, size, options, said):
+def test_plan_rejects_in_a_sentence(tmp_path, capsys, size, options, said):
     barrel_descriptor(size, (64, 24), hidden_neurons=2).save(tmp_path / "net.toml")
     assert main(["plan", str(tmp_path / "net.toml"), *options]) == 2
     assert said in the_sentence(capsys)
 
 
-def test_plan_tells_what_a_board_carries(tmp_path, capsys):
+def test_plan_lists_what_a_board_carries(tmp_path, capsys):
     small().save(tmp_path / "net.toml")
     assert main(["plan", str(tmp_path / "net.toml"), "--board", "de2-115", "--json", "-"]) == 0
     report = json.loads(capsys.readouterr().out)

@@ -19,8 +19,8 @@ from ncdc_soc.board import board_processor
 from ncdc_soc.phy.rgmii import RgmiiPhy
 from transfers import Edge, Transfer, shortest_ps, transfers
 
-LEAST_PS = 3000         # that a register, a route and another register get
-ROOMS = {"clock_sys": "sync", "clock_transmit": "ethernet", "clock_late": "ethernet_late"}
+MIN_PS = 3000           # that a register, a route and another register get
+DOMAINS = {"clock_sys": "sync", "clock_transmit": "ethernet", "clock_late": "ethernet_late"}
 # First registers of synchronisers, and those that end a reset: the constraints cut what ends there.
 CUT = r"multiregimpl\d+_regs0|ars_cd_eth_|\beth_[rt]x_rst$|\|din_s1$"
 
@@ -43,17 +43,17 @@ def processor_transfers(folder):
 
 
 def too_short(found, clocks):
-    """Transfers between known clocks that have less than LEAST_PS and are not cut."""
+    """Transfers between known clocks that have less than MIN_PS and are not cut."""
     return {one for one in found if {one.launch.clock, one.capture.clock} <= clocks.keys()
             and not re.search(CUT, one.sink)
-            and shortest_ps(one.launch, one.capture, clocks) < LEAST_PS}
+            and shortest_ps(one.launch, one.capture, clocks) < MIN_PS}
 
 
 @pytest.fixture(scope="module")
 def clocks():
     plan = replace(board("de2-115").clock_plan(mode_named("640x480"), 75), ethernet=True)
     domains = clocks_of(plan)
-    return {name: domains[domain] for name, domain in ROOMS.items()}
+    return {name: domains[domain] for name, domain in DOMAINS.items()}
 
 
 @pytest.mark.longer
@@ -61,7 +61,8 @@ def test_no_path_of_the_processor_is_shorter_than_3_ns(tmp_path, clocks):
     found = processor_transfers(tmp_path)
     assert too_short(found, clocks) == set()
     late = {(one.launch, one.capture): shortest_ps(one.launch, one.capture, clocks)
-            for one in found if {one.launch.clock, one.capture.clock} <= set(ROOMS) - {"clock_sys"}}
+            for one in found
+            if {one.launch.clock, one.capture.clock} <= set(DOMAINS) - {"clock_sys"}}
     assert late == {
         (Edge("clock_transmit"), Edge("clock_transmit", True)): 4000,
         (Edge("clock_transmit", True), Edge("clock_late")): 6000}

@@ -57,7 +57,7 @@ def test_every_crossing_is_named(design):
     sdc = constraints(design, 25, ["led_0__io"])
     left = {(c.source, c.sink) for c in unnamed(crossings, sdc)}
     # Resets end in synchronisers; a queue's memory is read when its counter has crossed; outputs
-    # of the core that belong to the screen; and a level for the writer, that nobody reads, with a
+    # of the core that belong to the screen; and a level for the writer, that nothing reads, with a
     # synchroniser of its own, which synthesis removes.
     left = {(source, sink) for source, sink in left if not (
         source == "rst" and sink.endswith(("stage0", "stage1"))

@@ -1,4 +1,4 @@
-"""A Quartus board with a processor and Ethernet: its project, and what is refused."""
+"""A Quartus board with a processor and Ethernet: its project, and what is rejected."""
 
 import re
 from pathlib import Path
@@ -102,7 +102,7 @@ def test_every_pin_has_its_own_port_and_the_sources_are_named(folder):
     (["--board", BOARD, "--system", "--mac", "00:00:00:00:00:00"], "not all bytes are 0"),
     (["--board", BOARD, "--system", "--sensor", "ov5640"], "the processor's firmware knows"),
 ])
-def test_what_does_not_fit_is_refused(tmp_path, capsys, arguments, said):
+def test_what_does_not_fit_is_rejected(tmp_path, capsys, arguments, said):
     small().save(tmp_path / "net.toml")
     assert main(["build", str(tmp_path / "net.toml"), *arguments, "-o", str(tmp_path / "o")]) == 2
     assert said in capsys.readouterr().err and not (tmp_path / "o").exists()

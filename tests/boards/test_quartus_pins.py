@@ -1,4 +1,4 @@
-"""Pins of the Quartus boards: ours, and those of amaranth-boards, against other projects' pins."""
+"""Pins of the Quartus boards, ours and amaranth-boards', compared with other projects' pins."""
 
 import re
 from pathlib import Path
@@ -62,7 +62,7 @@ def compared(name):
             continue
         signal = NAMES[key]
         if signal.startswith("D5M") and "D5M_LVAL" not in other:
-            # A header without a camera: the camera's place on it, which is that of other boards.
+            # A header without a camera: the camera's pins on it, which are those of other boards.
             gpio = {header(k): other[f"GPIO_0[{k}]"] for k in range(36)}
             expected = [gpio[pin] for pin in CAMERA_PINS[key.partition(".")[2]]]
         elif signal.startswith("UART") and signal not in other:
@@ -78,7 +78,7 @@ def compared(name):
 def test_a_pin_is_where_others_have_it(name):
     rows = compared(name)
     assert [(key, pins) for key, pins, expected in rows if pins != expected] == []
-    # Everything that the top asks for is there: sdram, vga, camera, uart, buttons, lights, clock.
+    # Everything that the top asks for is there: sdram, vga, camera, uart, buttons, LEDs, clock.
     kinds = {re.split(r"[.\d]", key)[0] for key, *_ in rows}
     assert kinds == {"clk", "uart", "button", "led", "sdram", "vga", "camera"} | (
         {"eth_rgmii"} if board(name).ethernet else set())

@@ -1,4 +1,4 @@
-"""The SDRAM chips' times in clocks, and what the controller refuses."""
+"""The SDRAM chips' times in clocks, and what the controller rejects."""
 
 from dataclasses import replace
 from math import ceil
@@ -20,7 +20,7 @@ from ncdc_boards.sdram.chips import (
 from ncdc_boards.sdram.controller import SdramController
 from ncdc_spec.errors import InputError
 
-LEAST = ("rcd", "rp", "ras", "rc", "rfc", "wr", "rrd", "mrd")
+MINIMUMS = ("rcd", "rp", "ras", "rc", "rfc", "wr", "rrd", "mrd")
 
 
 @pytest.mark.parametrize("mhz", (50, 100, 133, 142.857))
@@ -29,7 +29,7 @@ def test_clocks_hold_the_times_and_no_more(chip, mhz):
     if mhz * dict(chip.cas)[3] > 1000:
         return
     clocks, period = clocks_of(chip, mhz * 1e6), 1000 / mhz
-    for name in LEAST:
+    for name in MINIMUMS:
         count, time = getattr(clocks, name), getattr(chip, name)
         assert count * period >= time - 1e-9
         assert count == max(ceil(time / period - 1e-9), getattr(chip, f"{name}_clocks", 1))
@@ -45,7 +45,7 @@ def test_a_clock_that_divides_a_time_is_not_rounded_up():
 
 def test_the_slowest_is_none_of_them_and_slower_than_each():
     for chip in (IS42S16160G_7, AS4C16M16SA_7, W9825G6KH_6, MT48LC16M16A2_7E):
-        assert all(getattr(ULX3S_32MB, name) >= getattr(chip, name) for name in LEAST)
+        assert all(getattr(ULX3S_32MB, name) >= getattr(chip, name) for name in MINIMUMS)
         assert ULX3S_32MB.ras_max <= chip.ras_max and ULX3S_32MB.refresh <= chip.refresh
         assert dict(ULX3S_32MB.cas)[3] >= dict(chip.cas)[3]
 
@@ -68,12 +68,12 @@ def test_the_slowest_is_none_of_them_and_slower_than_each():
     ({"late": -2}, "late is -2, the limit is -1: a clock early"),
     ({"chip": replace(AS4C16M16SA_6, column_bits=11)},
      "AS4C16M16SA-6 has 11 column bits, the controller has 10 at most")])
-def test_refused_in_one_sentence(changes, message):
+def test_rejected_in_one_sentence(changes, message):
     parameters = {"chip": AS4C16M16SA_6, "clock_hz": 133e6, "data_width": 32, "reads": 3,
                   "max_burst": 16} | changes
-    with pytest.raises(InputError) as refused:
+    with pytest.raises(InputError) as rejected:
         SdramController(**parameters)
-    assert str(refused.value) == message
+    assert str(rejected.value) == message
 
 
 def test_chips_of_another_size_do_not_stand_for_each_other():
@@ -82,7 +82,7 @@ def test_chips_of_another_size_do_not_stand_for_each_other():
 
 
 def test_latency_is_a_sum():
-    """Of a CAS latency, and of beats; see the docstrings of the parts."""
+    """CAS latency and beats add up; see the docstrings of the parts."""
     slow = SdramController(IS42S16320D_7, 100e6, 32, 3, 16)
     fast = SdramController(IS42S16320D_7, 100e6, 32, 3, 16, cas=2)
     wide = SdramController(IS42S16320D_7, 100e6, 64, 3, 16, late=1)

@@ -1,4 +1,4 @@
-"""Pins of the ULX3S: ours, of amaranth-boards, against litex-boards and the board's own file."""
+"""Pins of the ULX3S, from amaranth-boards, compared with litex-boards and the board's own file."""
 
 import re
 from pathlib import Path
@@ -39,7 +39,7 @@ def theirs(*signal):
 
 
 @pytest.fixture(scope="module")
-def placed():
+def sites():
     """Sites of our platform, by names as those above."""
     platform, found = Ulx3sPlatform(), {}
     for (name, number), resource in platform.resources.items():
@@ -57,16 +57,16 @@ def placed():
 
 
 @pytest.mark.parametrize("name", LITEX)
-def test_a_pin_is_where_others_have_it(name, placed):
-    assert placed[name] == theirs(*LITEX[name])
+def test_a_pin_is_where_others_have_it(name, sites):
+    assert sites[name] == theirs(*LITEX[name])
 
 
-def test_the_cameras_wires_are_those_of_the_header(placed):
+def test_the_cameras_wires_are_those_of_the_header(sites):
     seen = []
     for name, wires in CAMERA_WIRES.items():
-        sites = [J1[2 * int(wire[:-1]) + (wire[-1] == "-")] for wire in wires]
-        assert placed[f"camera.{name}"] == sites
-        seen += sites
+        expected = [J1[2 * int(wire[:-1]) + (wire[-1] == "-")] for wire in wires]
+        assert sites[f"camera.{name}"] == expected
+        seen += expected
     assert len(seen) == len(set(seen)) == 20
     for k in range(2):                      # that litex-boards has as well
         assert J1[2 * k:2 * k + 2] == theirs("gpio", k, "p") + theirs("gpio", k, "n")
@@ -80,6 +80,6 @@ def test_every_resource_that_the_top_asks_for_is_compared():
     assert asked == compared | {"camera"} and len(asked) == 11
 
 
-def test_a_wrong_pin_is_found(placed):
-    assert placed["uart.rx"] != theirs("serial", 0, "tx")
-    assert placed["sdram.dq"] != theirs("sdram", 0, "dq")[::-1]
+def test_a_wrong_pin_is_found(sites):
+    assert sites["uart.rx"] != theirs("serial", 0, "tx")
+    assert sites["sdram.dq"] != theirs("sdram", 0, "dq")[::-1]

@@ -12,8 +12,8 @@ from ncdc_boards.catalogue import board
 
 CLOCK_HZ = 1_000_000
 TIMES = Times(reset_us=50, rest_us=120, watch_us=1000)
-SET_UP = 40             # clocks of a set-up that is answered
-DEAD = 64               # clocks without an edge, in place of many more
+SET_UP = 40             # clocks of an initialisation that is answered
+DEAD = 64               # clocks without an edge, instead of many more
 
 
 class Bench:
@@ -76,7 +76,7 @@ def test_reset_and_rest_are_as_long_as_asked(bench):
 
 
 @pytest.mark.longer
-def test_unplugged_it_is_woken_before_each_try_and_the_light_is_lit_until_one_is_answered(bench):
+def test_unplugged_it_is_woken_before_each_try_and_the_led_is_lit_until_one_is_answered(bench):
     def gone(there):
         return lambda ctx: setattr(bench, "there", there)
 
@@ -86,7 +86,7 @@ def test_unplugged_it_is_woken_before_each_try_and_the_light_is_lit_until_one_is
     assert all(0 <= after - before - TIMES.reset_us - TIMES.rest_us <= 5
                for before, after in zip(pulses, pulses[1:]))
     assert 0 <= bench.rises("trouble")[0] - pulses[0] <= 1 == len(bench.rises("trouble"))
-    # It answers as soon as it is there: the set-up ends, and the light with it.
+    # It answers as soon as it is there: the initialisation ends, and the LED goes out.
     (out,) = bench.falls("trouble")
     assert 4700 + SET_UP <= out <= 4710 + SET_UP + TIMES.reset_us + TIMES.rest_us
 
@@ -98,7 +98,7 @@ def test_a_sensor_that_was_never_there_is_woken_again(bench):
 
 
 def test_bad_frames_alone_are_not_enough(bench):
-    """As after a brown-out: it sends, but not what it was told to."""
+    """As after a brown-out: it sends, but not as it was configured."""
     bench.frames_are = "bad"
     bench.run(3000)
     assert len(bench.falls("reset_n")) == 2

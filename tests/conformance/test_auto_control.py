@@ -235,8 +235,7 @@ def test_the_firmware_has_the_same_rule(wire_firmware):
 
 
 def test_the_rule_comes_to_rest_at_any_light():
-    """Of a sensor that is linear from its black level on, up to white: never two settings in
-    turn."""
+    """A sensor that is linear from black level to white never gets two settings in turn."""
     rng = random.Random(5)
     for _ in range(20_000):
         limits = Limits(*rng.choice(((1, 1), (1, 0), (0, 1))), rng.choice((1, 2, 5, 50, 1000)))

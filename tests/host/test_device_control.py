@@ -119,7 +119,7 @@ def test_the_request_number_0_is_answered(one):
     assert (status, code, number, len(rest)) == (0, 3, 0, gvcp.DISCOVERY_BYTES)
 
 
-def test_refusals_have_their_status(one):
+def test_rejections_have_their_status(one):
     user = Asker(one)
     user.control()
     for name, value, status in (
@@ -127,7 +127,7 @@ def test_refusals_have_their_status(one):
             ("PixelFormat", 0x01080008, gvcp.INVALID_PARAMETER),
             ("PixelFormat", 1, gvcp.INVALID_PARAMETER), ("Gain", 64, gvcp.INVALID_PARAMETER),
             ("WidthMax", 8, gvcp.WRITE_PROTECT), ("LensSelector", 2, gvcp.INVALID_PARAMETER),
-            ("AcquisitionStart", 1, gvcp.ACCESS_DENIED)):       # nobody to send to
+            ("AcquisitionStart", 1, gvcp.ACCESS_DENIED)):       # no destination
         before = user.get(name)
         assert user.set(name, value) == status, name
         assert user.get(name) == before
@@ -238,33 +238,33 @@ def everything(one):
 
 def datagrams(count):
     """Random bytes, mutated commands, and whole commands at random addresses, well formed."""
-    chance = random.Random(5)
-    places = [f.address for f in FEATURES] + [p.address for p in gvcp.BOOTSTRAP] + [
+    rng = random.Random(5)
+    addresses = [f.address for f in FEATURES] + [p.address for p in gvcp.BOOTSTRAP] + [
         gvcp.XML_BASE, gvcp.CORRECTOR_BASE, gvcp.CORRECTOR_BASE + 0x400, 0xFFFFFFFC]
     codes = [0x0002, 0x0004, 0x0040, 0x0080, 0x0082, 0x0084, 0x0086, 0x00C0, 0x0100]
     for _ in range(count):
-        kind = chance.randrange(4)
+        kind = rng.randrange(4)
         if kind == 0:
-            yield chance.randbytes(chance.choice([0, 1, 7, 8, 9, 20, 600, 2048]))
+            yield rng.randbytes(rng.choice([0, 1, 7, 8, 9, 20, 600, 2048]))
             continue
-        code = chance.choice(codes)
-        words = [chance.choice(places) if chance.random() < .7 else chance.randrange(1 << 32)
-                 for _ in range(chance.choice([0, 1, 2, 3, 4, 20, 140]))]
+        code = rng.choice(codes)
+        words = [rng.choice(addresses) if rng.random() < .7 else rng.randrange(1 << 32)
+                 for _ in range(rng.choice([0, 1, 2, 3, 4, 20, 140]))]
         if kind == 1:
-            words[1::2] = [chance.choice([0, 1, 8, 1 << 31, chance.randrange(1 << 32)])
+            words[1::2] = [rng.choice([0, 1, 8, 1 << 31, rng.randrange(1 << 32)])
                            for _ in words[1::2]]
-        packet = bytearray(gvcp.command_packet(code, chance.randrange(1, 1 << 16),
+        packet = bytearray(gvcp.command_packet(code, rng.randrange(1, 1 << 16),
                                                struct.pack(f">{len(words)}I", *words)))
         if kind == 3:
-            for _ in range(chance.randrange(1, 4)):
-                packet[chance.randrange(len(packet))] = chance.randrange(256)
+            for _ in range(rng.randrange(1, 4)):
+                packet[rng.randrange(len(packet))] = rng.randrange(256)
         yield bytes(packet)
 
 
 def hostile_user(one, count, controls):
-    """Feed it all to the agent; nothing but writable places may change, and nothing may break.
+    """Feed it all to the agent; nothing but writable registers may change, and nothing may break.
 
-    ``controls``: it comes from the user in control; else from another one beside them.
+    ``controls``: it comes from the user in control; else from another one.
     """
     user, before = Asker(one), everything(one)
     # A stream that is begun at random goes to an address at random: not one packet may leave.

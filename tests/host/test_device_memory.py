@@ -21,7 +21,7 @@ def peak_mb(process):
 
 @pytest.mark.longer
 def test_a_device_of_640x480_takes_at_most_150_megabytes(tmp_path):
-    """While it streams the scene in motion, whose pictures are kept, and settings change."""
+    """While it streams the scene in motion, whose pictures are stored, and settings change."""
     barrel_descriptor((640, 480), (640, 480), 8).save(tmp_path / "net.toml")
     address = loopback_address()
     served = subprocess.Popen(

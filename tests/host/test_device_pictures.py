@@ -50,7 +50,7 @@ def test_the_matrix_is_the_golden_model(bayer, corrected, distorted, strength, i
         assert np.array_equal(correction(raw), golden.picture)
 
 
-def test_the_matrix_refuses_another_size():
+def test_the_matrix_rejects_another_size():
     with pytest.raises(InputError, match="48x48 pixels, the descriptor is for 64x48"):
         Correction(small_lens())(np.zeros((48, 48), np.uint8))
 
@@ -83,7 +83,7 @@ def test_gains_are_those_of_the_golden_model(form):
 
 @pytest.mark.parametrize("bayer", BAYER_PHASE)
 def test_a_mirrored_raw_frame_has_the_pattern_that_it_says(bayer):
-    """Samples of a filter that passes 10, 20 and 30 tell where its colours are."""
+    """Samples of a filter that passes 10, 20 and 30 show where its colours are."""
     raw = np.full(SIZE[::-1], 20, np.uint8)
     column, row = BAYER_PHASE[bayer]
     raw[row::2, column::2], raw[1 - row::2, 1 - column::2] = 10, 30
@@ -132,7 +132,7 @@ def test_the_newest_frame_has_every_setting_written_before():
                                   golden[..., ::-1])
 
 
-def test_the_frame_rate_is_kept():
+def test_the_frame_rate_is_met():
     with device(fps=50.0) as one:
         first = one.camera.newest()
         one.registers.write(0xF004, 100)      # 10 per second
@@ -153,14 +153,14 @@ def test_a_lens_changes_between_two_frames():
             assert np.array_equal(data[..., ::-1], correct(lenses[lens], raw).picture)
 
 
-def test_lenses_of_other_sizes_are_refused():
+def test_lenses_of_other_sizes_are_rejected():
     with pytest.raises(InputError, match="lens 2 has other sizes"):
         lens_corrections([small_lens(), barrel_descriptor((64, 50), SIZE)])
     with pytest.raises(InputError, match="63 pixels, an emulated device needs even sides"):
         lens_corrections([barrel_descriptor((63, 48), SIZE)])
 
 
-def test_light_of_another_size_is_refused():
+def test_light_of_another_size_is_rejected():
     with pytest.raises(InputError, match="descriptor is for 64x48"):
         Photo(np.zeros((48, 63), np.uint8), small_lens().geometry)
 
@@ -199,7 +199,7 @@ class Memory:
 
 
 @pytest.mark.parametrize("own,lens", [(1, 8), (8, 1)])
-def test_a_lens_with_other_nodes_is_refused(own, lens):
+def test_a_lens_with_other_nodes_is_rejected(own, lens):
     one = device([replace(small_lens(), nodes=own)])
     try:
         loader = LensLoader(Memory(one))
@@ -212,7 +212,7 @@ def test_a_lens_with_other_nodes_is_refused(own, lens):
 
 
 @pytest.mark.parametrize("own,lens", [(FAST, GRADIENT), (GRADIENT, FAST)])
-def test_a_lens_of_the_other_interpolation_is_refused(own, lens):
+def test_a_lens_of_the_other_interpolation_is_rejected(own, lens):
     one = device([small_lens(interpolation=own)])
     try:
         loader = LensLoader(Memory(one))

@@ -1,4 +1,4 @@
-"""Table I and II over TCP against an emulated device in this process."""
+"""Table I and II over TCP with an emulated device in this process."""
 
 import random
 import socket
@@ -183,7 +183,7 @@ def test_one_user_too_many_is_sent_away(one):
             time.sleep(0.05)
 
 
-def test_a_user_who_takes_nothing_disturbs_nobody(one):
+def test_a_user_who_takes_nothing_disturbs_no_other(one):
     with raw_socket(one) as lazy, connected(one) as busy:
         lazy.sendall(b"\x83" * 500)
         for _ in range(20):
@@ -220,19 +220,19 @@ def test_no_user_writes_what_decides_the_frame(one):
 def test_silent_users_give_their_position_to_a_new_one(monkeypatch):
     monkeypatch.setattr(table_one, "IDLE_SECONDS", .3)
     with device() as one:
-        kept = [connected(one) for _ in range(MAX_USERS)]
-        for user in kept:
+        users = [connected(one) for _ in range(MAX_USERS)]
+        for user in users:
             assert user.read(0xF001) == SIZE[0]
-        kept[0]._socket.sendall(b"\x80")           # half a request: silent as well
+        users[0]._socket.sendall(b"\x80")           # half a request: silent as well
         with pytest.raises(DeviceError):
             connected(one).read(0xF001)             # no user has been silent for long
         time.sleep(.35)
-        for user in kept[1:]:
+        for user in users[1:]:
             assert user.read(0xF001) == SIZE[0]
         assert connected(one).read(0xF001) == SIZE[0]
         with pytest.raises(DeviceError):
-            kept[0].read(0xF001)
-        assert [user.read(0xF001) for user in kept[1:]] == [SIZE[0]] * (MAX_USERS - 1)
+            users[0].read(0xF001)
+        assert [user.read(0xF001) for user in users[1:]] == [SIZE[0]] * (MAX_USERS - 1)
 
 
 class User(threading.Thread):
@@ -257,15 +257,15 @@ class User(threading.Thread):
         self._connection.close()
 
     def _one(self, known):
-        user, chance = self._connection, self._random.random()
+        user, draw = self._connection, self._random.random()
         address = self._random.choice(self._own)
-        if chance < 0.4:
+        if draw < 0.4:
             known[address] = value = self._random.randrange(1 << 16)
             assert user.write(address, value) == value
-        elif chance < 0.9:
+        elif draw < 0.9:
             value = user.read(address)
             assert known[address] in (None, value), (address, known[address], value)
-        elif chance < 0.96:
+        elif draw < 0.96:
             user.write(*self._random.choice(
                 [(0xF000, 0), (0xF000, 1), (0xF003, 0x12), (0xF005, 0), (0xF005, 1), (0x35, 8),
                  (0x20, 0), (0x20, 0xC000)]))
@@ -333,15 +333,15 @@ class Liar(threading.Thread):
 
 def hostile_headers(count):
     """Headers at random and mutated, sizes up to 2**56."""
-    chance = random.Random(4)
+    rng = random.Random(4)
     good = MrawHeader(64, 48, MONO8, "127.0.0.1", 4000, 5).pack()
     for k in range(count):
-        header = bytearray(chance.randbytes(HEADER_BYTES) if k % 3 == 0 else good)
+        header = bytearray(rng.randbytes(HEADER_BYTES) if k % 3 == 0 else good)
         if k % 3 == 1:
-            header[9:16] = chance.randrange(1 << chance.randrange(57)).to_bytes(7, "big")
+            header[9:16] = rng.randrange(1 << rng.randrange(57)).to_bytes(7, "big")
         elif k % 3 == 2:
-            header[chance.randrange(HEADER_BYTES)] = chance.randrange(256)
-        yield bytes(header[:HEADER_BYTES if k % 7 else chance.randrange(HEADER_BYTES)])
+            header[rng.randrange(HEADER_BYTES)] = rng.randrange(256)
+        yield bytes(header[:HEADER_BYTES if k % 7 else rng.randrange(HEADER_BYTES)])
 
 
 def hostile_device(count):

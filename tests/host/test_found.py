@@ -1,4 +1,4 @@
-"""Devices that are found: by their address alone, told apart, and with harmless names."""
+"""Devices that are found: by their address alone, distinguished, and with harmless names."""
 
 import pytest
 

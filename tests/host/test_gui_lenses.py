@@ -44,7 +44,7 @@ def test_another_lens_while_pictures_run(qtbot):
         assert tab.session._receiver is receiver        # the stream went on
 
 
-def test_a_lens_file_takes_the_place_of_the_chosen_lens(qtbot, tmp_path):
+def test_a_lens_file_replaces_the_chosen_lens(qtbot, tmp_path):
     other, path = small_lens(seed=9), tmp_path / "other.toml"
     other.save(path)
     with announced() as [one], tab_on(qtbot, url_of(one, "gige")) as tab:
@@ -65,7 +65,7 @@ def bad_files(folder):
             (folder / "larger.toml", "6 hidden neurons")]
 
 
-def test_bad_lens_files_are_told_and_change_nothing(qtbot, tmp_path):
+def test_bad_lens_files_are_reported_and_change_nothing(qtbot, tmp_path):
     with announced() as [one], tab_on(qtbot, url_of(one, "gige")) as tab:
         for path, sentence in bad_files(tmp_path):
             tab.messages.clear()
@@ -204,7 +204,7 @@ def test_another_lens_than_the_active_one_can_be_replaced(qtbot):
 
 
 @pytest.mark.longer
-def test_a_job_that_breaks_is_told(qtbot):
+def test_a_job_that_breaks_is_reported(qtbot):
     job = Calibration()
     with qtbot.waitSignal(job.failed, timeout=4 * SECONDS) as failed:
         job.start("auto", 8, "RGGB")                    # without a photo
@@ -214,6 +214,6 @@ def test_a_job_that_breaks_is_told(qtbot):
     assert "ended unexpectedly" in failed.args[0]
 
 
-def test_the_job_tells_an_error_and_its_status(tmp_path, capsys):
+def test_the_job_reports_an_error_and_its_status(tmp_path, capsys):
     assert calibrate([str(tmp_path / "none.png"), str(tmp_path)]) == 2
     assert '"error"' in capsys.readouterr().out.splitlines()[-1]

@@ -18,8 +18,8 @@ SCHEMES = ("gige", "tcp")
 def seen(tab):
     """The pixels of the picture on the screen, where each is one of the device's."""
     tab.view.set_scale(1)
-    place = tab.view.picture_rect().toRect()
-    return pixels_of(tab.view.grab(place).toImage())
+    rect = tab.view.picture_rect().toRect()
+    return pixels_of(tab.view.grab(rect).toImage())
 
 
 def differ(a, b):
@@ -115,13 +115,13 @@ def test_saved_files_hold_the_pixels(qtbot, tmp_path):
 def test_a_frozen_picture_stays(qtbot):
     with announced() as [one], tab_on(qtbot, url_of(one, "gige")) as tab:
         tab.freeze()
-        kept = tab.shown
+        frozen = tab.shown
         tab.set_feature("TestPattern", "ColorBar")
         with qtbot.waitSignals(3 * [tab.session.picture], timeout=SECONDS):
             pass
-        assert tab.shown is kept
+        assert tab.shown is frozen
         tab.freeze()
-        qtbot.waitUntil(lambda: tab.shown is not kept, timeout=SECONDS)
+        qtbot.waitUntil(lambda: tab.shown is not frozen, timeout=SECONDS)
 
 
 def test_zoom_keeps_what_is_under_the_cursor(qtbot):
@@ -130,8 +130,8 @@ def test_zoom_keeps_what_is_under_the_cursor(qtbot):
         assert view.fitted
         points = []
         view.pointed.connect(lambda pixel, colour: points.append((pixel.toTuple(), colour)))
-        place = view.picture_rect()
-        about = place.topLeft() + (place.bottomRight() - place.topLeft()) * 0.3
+        rect = view.picture_rect()
+        about = rect.topLeft() + (rect.bottomRight() - rect.topLeft()) * 0.3
         view._point(about)
         view.zoom(4, about)
         view._point(about)

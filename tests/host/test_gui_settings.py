@@ -115,7 +115,7 @@ def test_correction_switched_off_by_another_user_is_shown(qtbot):
         assert tab.settings.format.currentData().startswith("Bayer")
 
 
-def test_a_refused_value_is_told_and_taken_back(qtbot):
+def test_a_rejected_value_is_reported_and_taken_back(qtbot):
     with announced() as [one], tab_on(qtbot, url_of(one, "gige")), \
             tab_on(qtbot, url_of(one, "tcp")) as tab:
         # Another user streams over GVSP: sizes are locked.

@@ -85,7 +85,7 @@ def test_a_device_is_asked_for_more_than_once(monkeypatch):
         assert opened.access == "control"
 
 
-def test_nobody_at_the_address(qtbot):
+def test_no_device_at_the_address(qtbot):
     with tab_on(qtbot, "tcp://127.255.255.250:9", pictures=False) as tab:
         qtbot.waitUntil(lambda: "No device answers" in tab.messages.text, timeout=SECONDS)
         assert [button.text() for button in tab.messages.buttons] == ["Try again"]
@@ -238,7 +238,7 @@ def test_discovery_finds_and_fails(qtbot, monkeypatch):
     ({"DISPLAY": ":0"}, "libxcb-cursor.so.0", None),
     ({"WAYLAND_DISPLAY": "wayland-0"}, None, None),
     ({"QT_QPA_PLATFORM": "offscreen"}, None, None)])
-def test_no_screen_is_told_before_qt_aborts(environment, library, sentence):
+def test_no_screen_is_reported_before_qt_aborts(environment, library, sentence):
     if sentence is None:
         check_screen(environment, "linux", lambda name: library)
         return

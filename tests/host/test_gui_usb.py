@@ -22,7 +22,7 @@ class Cable:
     ----------
     one : EmulatedDevice
     path : Path
-        Where what the device has sent is kept, as :class:`SimulatedUsb` reads it.
+        Where what the device has sent is stored, as :class:`SimulatedUsb` reads it.
     """
 
     def __init__(self, one, path):

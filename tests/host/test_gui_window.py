@@ -20,7 +20,7 @@ from ncdc_host.gui.main_window import MainWindow
 from ncdc_host.gui.message_bar import MessageBar
 from ncdc_host.gui.picture_view import MODES
 
-NOBODY = "tcp://127.255.255.250:9"
+NO_DEVICE = "tcp://127.255.255.250:9"
 # Laptops of 1280x800 and 1366x768 pixels, and such ones at a scale of 2.
 SCREENS = (1280, 800), (1366, 768), (640, 400), (683, 384)
 FRAME = 40              # pixels of a desktop's own bar and the window's title
@@ -57,7 +57,7 @@ def action(window, name):
 
 @pytest.mark.parametrize("size", SCREENS)
 def test_it_fits_a_laptop_and_does_not_grow(qtbot, size):
-    with announced() as [one], window_on(qtbot, url_of(one, "tcp"), NOBODY, size=size) as window:
+    with announced() as [one], window_on(qtbot, url_of(one, "tcp"), NO_DEVICE, size=size) as window:
         tab, dead = window.open_tabs()
         qtbot.waitUntil(lambda: tab.shown is not None and dead.messages.text != "",
                         timeout=SECONDS)
@@ -83,12 +83,12 @@ def test_every_button_of_the_bar_is_seen(qtbot, width):
         buttons = [one for one in bar.findChildren(QToolButton) if one.isVisible()]
         assert len(buttons) == len(MODES) + 7 and bar.again in buttons
         for button in buttons:
-            place = button.rect().translated(button.mapTo(bar, button.rect().topLeft()))
-            assert bar.rect().contains(place) and button.width() >= button.sizeHint().width()
+            rect = button.rect().translated(button.mapTo(bar, button.rect().topLeft()))
+            assert bar.rect().contains(rect) and button.width() >= button.sizeHint().width()
 
 
 def test_panels_leave_a_narrow_window_and_come_back(qtbot):
-    with window_on(qtbot, NOBODY) as window:
+    with window_on(qtbot, NO_DEVICE) as window:
         panels = window.devices, window.tab.panel
         assert all(panel.isVisible() for panel in panels)
         window.resize(900, 600)
@@ -110,7 +110,7 @@ def test_panels_leave_a_narrow_window_and_come_back(qtbot):
 
 
 def test_nothing_is_zoomed_where_there_is_no_picture(qtbot):
-    with tab_on(qtbot, NOBODY, pictures=False) as tab:
+    with tab_on(qtbot, NO_DEVICE, pictures=False) as tab:
         qtbot.waitUntil(lambda: "No device answers" in tab.messages.text, timeout=SECONDS)
         bar, view = tab.bar, tab.view
         for act in (view.zoom_in, view.zoom_out, view.fit, lambda: view.set_scale(1)):
@@ -127,7 +127,7 @@ OF_DEVICES = ("Load lens file", "Calibrate from", "Save picture", "Save raw fram
 def test_a_device_that_is_not_there_offers_nothing(qtbot, monkeypatch):
     monkeypatch.setattr(device_tab.QFileDialog, "getOpenFileName",
                         lambda *_: pytest.fail("a file is asked for"))
-    with window_on(qtbot, NOBODY) as window:
+    with window_on(qtbot, NO_DEVICE) as window:
         qtbot.waitUntil(lambda: window.tab.messages.text != "", timeout=SECONDS)
         enabled = {name: action(window, name).isEnabled() for name in OF_DEVICES}
         assert not any(value for name, value in enabled.items() if name != "2 After")
@@ -153,7 +153,7 @@ def test_a_device_that_is_there_offers_all(qtbot):
 
 def test_a_lens_for_a_device_that_has_gone_is_not_dropped_silently(qtbot, tmp_path):
     """The device may go while a file is chosen."""
-    with tab_on(qtbot, NOBODY, pictures=False) as tab:
+    with tab_on(qtbot, NO_DEVICE, pictures=False) as tab:
         with qtbot.waitSignal(tab.session.rejected, timeout=SECONDS) as rejected:
             tab.load_lens(tmp_path / "net.toml", 0)
         assert "net.toml is not loaded" in rejected.args[0]
@@ -228,7 +228,7 @@ def test_messages_are_readable_in_both_themes(qtbot, theme, kind):
     bar = MessageBar()
     qtbot.addWidget(bar)
     bar.resize(500, 40)
-    bar.show_message("Nobody answers", kind)
+    bar.show_message("No device answers", kind)
     for label in (bar.findChildren(QLabel)[1], bar.findChildren(QToolButton)[0]):
         ground, ink = colours_in(label)
         assert contrast(ground, ink) >= READABLE
@@ -253,7 +253,7 @@ def test_the_histogram_is_readable_in_both_themes(qtbot, theme):
 def test_a_message_follows_a_theme_that_changes(qtbot):
     bar = MessageBar()
     qtbot.addWidget(bar)
-    bar.show_message("Nobody answers", "error")
+    bar.show_message("No device answers", "error")
     light = colours_in(bar)[0].lightness()
     before = QApplication.palette()
     dark = QPalette(QColor("#323232"), QColor("#323232"))

@@ -1,4 +1,4 @@
-"""The page on packets: its drawing and its filters, held against packets and against tshark."""
+"""The page on packets: its drawing and its filters, compared with packets and with tshark."""
 
 import re
 import subprocess

@@ -1,4 +1,4 @@
-"""viva-genicam, Aravis and tshark against emulated devices, in a network of their own."""
+"""viva-genicam, Aravis and tshark with emulated devices, in a network of their own."""
 
 import subprocess
 import time
@@ -35,7 +35,7 @@ def unhurried(row_of):
     """The row of the first of three runs in which every frame came whole, or of the last.
 
     A receiver that a busy machine keeps from its socket for longer than a device keeps packets
-    tells of a frame that is not whole. No pixel may be wrong in any run.
+    reports a frame that is not whole. No pixel may be wrong in any run.
     """
     for _ in range(3):
         row = row_of()
@@ -73,7 +73,7 @@ def test_control_is_free_when_its_holder_is_killed(three):
     assert 1 < row["seconds_until_free"]
 
 
-def test_a_second_controller_is_refused(three):
+def test_a_second_controller_is_rejected(three):
     holder = three.start(three.task("gige", frames=100_000))
     while holder.stderr.readline() != "streaming\n":
         assert holder.poll() is None

@@ -36,8 +36,8 @@ class Stranger:
         self._codes = {row[0]: int(row[1], 16) for row in rows("GVCP", 4)
                        if row[1].startswith("0x")}
         self._statuses = {int(row[0], 16): row[1] for row in rows("GVCP", 3)}
-        self.places = {row[1]: int(row[0], 16) for row in rows("GVCP", 5) if row[0] != "0"}
-        self.places |= {row[0]: int(row[1], 16) for row in rows("Features", 8)}
+        self.addresses = {row[1]: int(row[0], 16) for row in rows("GVCP", 5) if row[0] != "0"}
+        self.addresses |= {row[0]: int(row[1], 16) for row in rows("Features", 8)}
         self._socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
         self._socket.settimeout(5)
         self._socket.connect((address, int(re.search(r"## GVCP, UDP port (\d+)", PAGE)[1])))
@@ -52,7 +52,7 @@ class Stranger:
         return self._statuses[int.from_bytes(answer[:2], "big")], answer[8:]
 
     def write(self, name, value):
-        return self.ask("WRITEREG", self.places[name].to_bytes(4, "big")
+        return self.ask("WRITEREG", self.addresses[name].to_bytes(4, "big")
                         + value.to_bytes(4, "big"))[0]
 
 
@@ -61,7 +61,7 @@ def test_a_stranger_takes_a_picture():
     with device() as one, socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as stream:
         client = Stranger(one.options.address)
         status, memory = client.ask("DISCOVERY")
-        vendor = client.places["DeviceVendorName"]
+        vendor = client.addresses["DeviceVendorName"]
         assert status == "SUCCESS" and memory[vendor:vendor + 5] == b"NCDC\0"
         assert client.write("Gain", 16) == "ACCESS_DENIED"
         stream.bind((client.address, 0))

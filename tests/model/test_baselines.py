@@ -27,7 +27,7 @@ def seen(lens, columns=31, rows=21):
 
 
 def largest_error(name, lens):
-    """Of the baseline ``name`` fitted to exact points of ``lens``, between them and at the rim."""
+    """Largest error of the baseline ``name``, fitted to exact points of ``lens``, at any pixel."""
     u, v = np.meshgrid(np.linspace(0, 639, 90), np.linspace(0, 479, 70))
     return map_error(BASELINES[name](seen(lens))(u, v), lens(u, v))["max"]
 

@@ -67,7 +67,7 @@ def test_every_container_gives_the_same_map(tmp_path):
                                    err_msg=file.name)
 
 
-def test_fisheye_is_told_in_three_ways(tmp_path):
+def test_fisheye_is_recognised_in_three_ways(tmp_path):
     ros = tmp_path / "ros.yaml"
     ros.write_text(ros_text("equidistant", FISHEYE))
     bare = tmp_path / "bare.yml"
@@ -105,13 +105,13 @@ def test_back_map_ends_where_the_model_folds(tmp_path):
     assert mask[v.round().astype(int), u.round().astype(int)].all()
 
 
-def test_our_camera_file_keeps_its_frame_unless_told(tmp_path):
+def test_our_camera_file_keeps_its_frame_unless_asked(tmp_path):
     camera = our_fisheye()
     camera.save(tmp_path / "c.toml")
-    kept, fitted = (load_camera_map(tmp_path / "c.toml", zoom=zoom) for zoom in (None, "fit"))
-    assert kept.frame == camera.frame and fitted.frame == camera.framed().frame != camera.frame
+    same, fitted = (load_camera_map(tmp_path / "c.toml", zoom=zoom) for zoom in (None, "fit"))
+    assert same.frame == camera.frame and fitted.frame == camera.framed().frame != camera.frame
     u, v = np.array([100.0, 320, 600]), np.array([50.0, 240, 470])
-    np.testing.assert_array_equal(kept.back_map(u, v), camera.back_map(u, v))
+    np.testing.assert_array_equal(same.back_map(u, v), camera.back_map(u, v))
 
 
 def test_training_grid_holds_exact_pairs_and_the_border(tmp_path):
@@ -187,7 +187,7 @@ def test_bytes_that_are_no_text_and_absent_files(tmp_path):
         load_camera_map(tmp_path / "none.yaml")
 
 
-def test_a_frame_almost_without_source_is_refused(tmp_path):
+def test_a_frame_almost_without_source_is_rejected(tmp_path):
     read = load_camera_map(opencv_file(tmp_path / "c.yml", [-.3, 0, 0, 0]), zoom=.05)
     with pytest.raises(InputError, match="of the corrected frame has a source, 5 % is the limit"):
         training_grid(read.back_map, read.geometry())

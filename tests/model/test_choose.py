@@ -101,7 +101,7 @@ def test_points_too_few_for_many_neurons_end_the_row(camera_file):
     assert 3 <= taught // 3 < 8 and seen == list(range(1, taught // 3 + 1))
 
 
-def test_the_error_is_drawn_against_the_neurons(tmp_path):
+def test_the_error_is_drawn_over_the_neurons(tmp_path):
     tried = [{"hidden_neurons": n, "max": 10.0 / n, "mean": 1.0 / n} for n in (1, 2, 3)]
     for name, rows, chosen in (("a", tried, 3), ("b", [*tried[:2], tried[2] | {"max": 8.0}], 3),
                                ("c", tried, 2)):

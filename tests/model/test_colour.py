@@ -1,4 +1,4 @@
-"""White balance and tone in the golden model: exact curves, sums, gains, what is refused."""
+"""White balance and tone in the golden model: exact curves, sums, gains, what is rejected."""
 
 import numpy as np
 import pytest
@@ -29,13 +29,13 @@ def test_a_named_tone_is_within_one_grey_level_of_the_exact_table(name):
 
 def test_equal_pieces_would_miss_by_many_grey_levels():
     """Why the pieces are short near black: 16 equal ones between the same exact values."""
-    places = np.arange(0, 257, 16)
-    equal = np.interp(VALUES, places, exact_tone("gamma:2.2", places))
+    positions = np.arange(0, 257, 16)
+    equal = np.interp(VALUES, positions, exact_tone("gamma:2.2", positions))
     assert np.abs(equal - exact_tone("gamma:2.2")).max() > 20
 
 
 def test_srgb_is_that_of_the_standard():
-    """Code values of a few linear lights, as IEC 61966-2-1 has them."""
+    """Code values of a few linear intensities, as IEC 61966-2-1 has them."""
     known = {0: 0, 1: 13, 55: 128, 128: 188, 255: 255}
     assert {v: round(float(exact_tone("sRGB", v))) for v in known} == known
 

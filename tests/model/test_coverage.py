@@ -30,7 +30,7 @@ def test_a_whole_page_and_a_few_dropped_points_are_no_matter():
 
 def test_dropped_points_get_their_numbers_again():
     left = photo(lambda index: index[:, 0] < 3)
-    where = numbered(left.index, left.xy, np.array([place[:2] for place in left.dropped]))
+    where = numbered(left.index, left.xy, np.array([point[:2] for point in left.dropped]))
     np.testing.assert_array_equal(np.unique(where[:, 0]), [-3, -2, -1])
     assert len(np.unique(where, axis=0)) == 3 * 14
 

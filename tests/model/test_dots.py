@@ -1,4 +1,4 @@
-"""Dot pages: detection against exact truth, and on real photos."""
+"""Dot pages: detection compared with exact truth, and on real photos."""
 
 import numpy as np
 import pytest
@@ -152,10 +152,10 @@ def test_real_dot_pages(where, name, dots):
     found = find_dots(read_image(where(f"dots/{name}")[0]))
     assert len(found.index) >= dots
     # No wrong number: the step from dot to dot changes slowly all over the page.
-    place = {tuple(key): point for key, point in zip(found.index.tolist(), found.xy)}
-    bends = [np.linalg.norm(place[i - 1, j] + place[i + 1, j] - 2 * place[i, j])
-             / np.linalg.norm(place[i + 1, j] - place[i, j])
-             for i, j in place if (i - 1, j) in place and (i + 1, j) in place]
+    points = {tuple(key): point for key, point in zip(found.index.tolist(), found.xy)}
+    bends = [np.linalg.norm(points[i - 1, j] + points[i + 1, j] - 2 * points[i, j])
+             / np.linalg.norm(points[i + 1, j] - points[i, j])
+             for i, j in points if (i - 1, j) in points and (i + 1, j) in points]
     assert len(bends) > 0.9 * dots and max(bends) < 0.25
 
 

@@ -1,4 +1,4 @@
-"""Errors in pixels: the measure itself, float against fixed point, points and whole frames."""
+"""Errors in pixels: the measure itself, float and fixed point, points and whole frames."""
 
 import dataclasses
 
@@ -41,7 +41,7 @@ def test_fixed_point_costs_less_than_three_thousandths_of_a_pixel():
     assert "map_error_fixed_px" not in report
 
 
-def test_frame_against_the_truth_takes_valid_pixels_only():
+def test_frame_compared_with_the_truth_takes_valid_pixels_only():
     network = known_network()
     shifted = dataclasses.replace(network, output_biases=network.output_biases + [.3, -.4])
     d, maps = descriptor(shifted, lambda u, v: (u - 20, v)), {}

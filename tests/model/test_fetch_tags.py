@@ -1,4 +1,4 @@
-"""Golden twin of the cache's tag stage against a dictionary that forgets nothing."""
+"""Golden model of the cache's tag stage compared with a dictionary that forgets nothing."""
 
 import numpy as np
 import pytest
@@ -15,7 +15,7 @@ from windows import random_windows, walking_windows
 
 def plain_misses(boxes, options, split):
     """(look-up, bank, tile column, tile row, last user of the victim) one access at a time."""
-    places, found = {}, []
+    slots, found = {}, []
     kx, ky = 1 << split, options.sets >> split
     for i in np.flatnonzero(boxes.used).tolist():
         tiles = {(x >> 4, y >> 2) for x in (boxes.x0[i], boxes.x1[i])
@@ -23,11 +23,11 @@ def plain_misses(boxes, options, split):
         by_bank = sorted(((tx & 1) | (ty & 1) << 1, tx, ty) for tx, ty in tiles)
         assert len({bank for bank, _, _ in by_bank}) == len(tiles)
         for bank, tx, ty in by_bank:
-            place = bank, (ty >> 1) % ky, (tx >> 1) % kx
-            tile, user = places.get(place, (None, -1))
+            slot = bank, (ty >> 1) % ky, (tx >> 1) % kx
+            tile, user = slots.get(slot, (None, -1))
             if tile != (tx, ty):
                 found.append((i, bank, tx, ty, user))
-            places[place] = (tx, ty), i
+            slots[slot] = (tx, ty), i
     return found
 
 
@@ -57,7 +57,7 @@ def test_windows_are_those_of_the_golden_model():
     assert fetches(windows.x0, windows.y0, windows.used) == corrected.fetches
 
 
-def test_a_split_that_the_cache_lacks_is_refused():
+def test_a_split_that_the_cache_lacks_is_rejected():
     boxes = lookups(random_windows(1))
     with pytest.raises(InputError, match="split is 3, the limits are 0 and 2"):
         misses(accesses(boxes), CacheOptions(16), 3)

@@ -1,4 +1,4 @@
-"""The predictor of clocks against the cache clock by clock, in plain Python."""
+"""The predictor of clocks compared with the cache clock by clock, in plain Python."""
 
 from collections import deque
 
@@ -36,13 +36,13 @@ class ClockedCache:
         self.todo = deque(range(len(boxes)))
         self.victims = {}
         for i, victim in zip(missed.lookup.tolist(), missed.victim.tolist()):
-            # What the place's entry holds; that of an empty place 0, from the reset.
+            # What the slot's entry holds; that of an empty slot 0, from the reset.
             self.victims.setdefault(i, []).append(0 if victim == -1 else victim)
         self.to_claim = 0               # tiles of the look-up whose tiles are claimed
-        self.waiting = deque()          # tiles of each of those behind it, at most two
+        self.waiting = deque()          # tiles of each of those after it, at most two
         self.pushed, self.pending, self.retired = 0, deque(), 0
         self.retired_seen = 0           # what the tag stage's busy flags know
-        self.commands = deque()         # clock of each command's first chance
+        self.commands = deque()         # first clock in which each command may go
         self.words_due = deque()        # clock of each word
         self.beats, self.outstanding, self.tokens = 0, 0, 0
         self.later = {}                 # clock: names of the counters that change
@@ -56,7 +56,7 @@ class ClockedCache:
             setattr(self, counter, getattr(self, counter) + step)
         self.memory()
         self.oldest_pending()
-        room = len(self.waiting) < 2
+        space = len(self.waiting) < 2
         if self.to_claim and self.outstanding < self.options.outstanding:
             self.to_claim -= 1
             self.outstanding += 1
@@ -64,7 +64,7 @@ class ClockedCache:
         if not self.to_claim and self.waiting:
             self.to_claim = self.waiting.popleft()
         if self.todo:
-            self.tag_stage(room)
+            self.tag_stage(space)
         self.clock += 1
 
     def memory(self):
@@ -91,14 +91,14 @@ class ClockedCache:
             self.last_retire = self.clock
             self.at(self.clock + 3, "retired_seen", 1)
 
-    def tag_stage(self, room_for_claims):
+    def tag_stage(self, space_for_claims):
         i = self.todo[0]
         victims = self.victims.get(i, ())
-        room = self.options.pending - (self.last_retire == self.clock)
+        space = self.options.pending - (self.last_retire == self.clock)
         clear = all((victim - self.retired_seen) % (1 << self.options.sequence_bits)
                     >= i - self.retired_seen for victim in victims)
-        if self.pushed - self.retired < room and (
-                not victims or clear and room_for_claims):
+        if self.pushed - self.retired < space and (
+                not victims or clear and space_for_claims):
             self.todo.popleft()
             self.pushed += 1
             self.pending.append((i, self.clock + 6))
@@ -141,16 +141,16 @@ def words_of(width, height, strip, word, block):
             words.append([address // word, u == 0 or strip and u % strip == 0, number, number])
         words[-1][3] = number
     bursts = []
-    for place, row_start, _, last in words:
+    for number, row_start, _, last in words:
         if not bursts or len(bursts[-1]) == 16 or strip and row_start:
             bursts.append([])
-        bursts[-1].append((place, last))
+        bursts[-1].append((number, last))
     found = []
     for burst in bursts:
         blocks = {}
-        for place, _ in burst:
-            blocks.setdefault(place * word // max(block, word), []).append(place)
-        found += [(places[0] * word, len(places), burst[-1][1]) for places in blocks.values()]
+        for number, _ in burst:
+            blocks.setdefault(number * word // max(block, word), []).append(number)
+        found += [(numbers[0] * word, len(numbers), burst[-1][1]) for numbers in blocks.values()]
     return found
 
 

@@ -150,7 +150,7 @@ def test_a_raw_frame_larger_than_the_sensor():
         setup_around("mt9d111", geometry(1600, 1200), field="full")
 
 
-def test_a_corner_goes_to_the_nearest_place_of_its_colours():
+def test_a_corner_goes_to_the_nearest_position_of_its_colours():
     for bayer, corner in (("GRBG", (974, 730)), ("BGGR", (974, 731)), ("RGGB", (975, 730))):
         g = geometry(bayer=bayer)
         plan, crop = setup_around("mt9p031", g, field="640x480+975+731")

@@ -24,7 +24,7 @@ def test_a_device_is_written_into_and_stays_one():
         write_stream("/dev/full", "text")
 
 
-def test_a_pipe_is_written_into_if_somebody_reads_it(pipe):
+def test_a_pipe_is_written_into_if_a_process_reads_it(pipe):
     with pytest.raises(InputError, match="pipe: it has no reader"):
         write_stream(pipe, "text")
     read = []
@@ -40,7 +40,7 @@ def test_a_pipe_is_written_into_if_somebody_reads_it(pipe):
     assert read == ["text"] and stat.S_ISFIFO(os.stat(pipe).st_mode)
 
 
-def test_files_do_not_take_the_place_of_devices_and_pipes(pipe):
+def test_files_do_not_replace_devices_and_pipes(pipe):
     for path in ("/dev/null", pipe):
         with pytest.raises(InputError, match="it is no regular file"):
             write_text(path, "text")
@@ -61,7 +61,7 @@ def test_a_link_stays_a_link(tmp_path, write):
     assert [path.name for path in target.parent.iterdir()] == ["file"]
 
 
-def test_a_link_to_an_input_is_refused(tmp_path):
+def test_a_link_to_an_input_is_rejected(tmp_path):
     source, link = tmp_path / "source", tmp_path / "link"
     source.write_text("input")
     link.symlink_to(source)

@@ -7,13 +7,13 @@ from ncdc_spec.errors import InputError
 from ncdc_spec.sensors.grid import binned, evened, grid_size, grid_weight, gridded
 
 
-def places(count, reduction):
+def positions(count, reduction):
     """Active pixel, from the middle of a skipping sensor's first pair, of each of its samples."""
     index = np.arange(count)
     return 2 * reduction * (index // 2) + index % 2
 
 
-def even_places(count, reduction):
+def even_positions(count, reduction):
     return reduction * np.arange(count) + (1 - reduction) / 2
 
 
@@ -27,10 +27,10 @@ def ramp(across, down, slopes):
 def test_a_plane_is_that_of_the_even_grid(reduction, weight, slopes):
     """Exactly: these slopes leave nothing to round."""
     size = 12, 10
-    sent = ramp(*(places(count, reduction) for count in size), slopes)
+    sent = ramp(*(positions(count, reduction) for count in size), slopes)
     assert grid_weight(reduction) == weight
     found = evened(sent - sent.min(), weight) + sent.min()
-    true = ramp(*(even_places(count, reduction) for count in size), slopes)
+    true = ramp(*(even_positions(count, reduction) for count in size), slopes)
     moved = slice(2, None) if weight else slice(None)
     assert np.array_equal(found[moved, moved], true[:found.shape[0], :found.shape[1]][moved, moved])
     assert found.shape == ((8, 10) if weight else (10, 12))
@@ -38,8 +38,8 @@ def test_a_plane_is_that_of_the_even_grid(reduction, weight, slopes):
 
 def test_binning_of_a_skipping_sensor_is_the_reduction_of_both():
     """By 2 in the sensor and by 2 in capture: the grid of a reduction by 4."""
-    sent = ramp(places(32, 2), places(24, 2), (8, 16))
-    true = ramp(even_places(16, 4) + 2, even_places(12, 4) + 2, (8, 16))
+    sent = ramp(positions(32, 2), positions(24, 2), (8, 16))
+    true = ramp(even_positions(16, 4) + 2, even_positions(12, 4) + 2, (8, 16))
     assert np.array_equal(gridded(sent, 3, 1)[2:, 2:], true[2:-2, 2:-2])
 
 

@@ -1,4 +1,4 @@
-"""The ideal frame: training pairs against truth, straightness, real photos."""
+"""The ideal frame: training pairs compared with truth, straightness, real photos."""
 
 import numpy as np
 import pytest
@@ -92,28 +92,28 @@ def test_grossly_wrong_points_are_rejected(points):
     xy = photo.xy.copy()
     victims = np.flatnonzero(np.linalg.norm(xy - (320, 240), axis=1) < 120)[[3, 15, 28]]
     xy[victims] += ((9, 0), (0, -8), (6, 6))
-    spoilt = TargetPoints("dots", points.size, (PhotoPoints(photo.index, xy, photo.area),))
-    frame = ideal_frame(spoilt)
+    damaged = TargetPoints("dots", points.size, (PhotoPoints(photo.index, xy, photo.area),))
+    frame = ideal_frame(damaged)
     assert frame.rejected[Dropped.GROSS] == 3
-    kept = {tuple(key) for key in frame.index.tolist()}
-    assert not kept & {tuple(key) for key in photo.index[victims].tolist()}
+    remaining = {tuple(key) for key in frame.index.tolist()}
+    assert not remaining & {tuple(key) for key in photo.index[victims].tolist()}
 
 
 @pytest.mark.longer
-def test_points_beyond_repair_are_refused_however_the_reason_is_worded(points, monkeypatch):
+def test_points_beyond_repair_are_rejected_however_the_reason_is_worded(points, monkeypatch):
     """What counts is the member that frame.py counts, not the text that people read."""
     photo = points.photos[0]
     xy = photo.xy.copy()
     xy[::7, 0] += np.where(xy[::7, 0] < 320, 9, -9)
-    spoilt = TargetPoints("dots", points.size, (PhotoPoints(photo.index, xy, photo.area),))
+    damaged = TargetPoints("dots", points.size, (PhotoPoints(photo.index, xy, photo.area),))
     for text in (Dropped.GROSS.value, "reworded"):
         monkeypatch.setattr(Dropped.GROSS, "_value_", text)
         with pytest.raises(InputError, match="10 % is the limit: indices or points are wrong"):
-            ideal_frame(spoilt)
+            ideal_frame(damaged)
 
 
 @pytest.mark.parametrize("reason", Dropped)
-def test_only_points_that_disagree_refuse_the_rest(reason):
+def test_only_points_that_disagree_reject_the_rest(reason):
     assert bool(check_share({reason: 11}, 100)) == (reason is Dropped.GROSS)
     assert not check_share({reason: 10}, 100)
 
@@ -127,8 +127,8 @@ def board_photos(camera, count=5):
     for k in range(count):
         turn = rotation(*rng.uniform(-0.5, 0.5, 2), rng.uniform(-0.3, 0.3))
         flat = np.column_stack([index - (4.0, 2.5), np.zeros(54)]) @ turn.T
-        place = flat + (*rng.uniform(-2, 2, 2), rng.uniform(7, 9))
-        xy = np.stack(camera.project(place), axis=1) + rng.normal(0, 0.05, (54, 2))
+        points = flat + (*rng.uniform(-2, 2, 2), rng.uniform(7, 9))
+        xy = np.stack(camera.project(points), axis=1) + rng.normal(0, 0.05, (54, 2))
         photos.append(PhotoPoints(index, xy, np.zeros(54), {}, f"{k}.png"))
     return TargetPoints("chessboard", camera.size, tuple(photos))
 
@@ -143,7 +143,7 @@ def test_several_photos_share_one_lens():
     assert set(frame.photo) == {0, 1, 2, 3, 4} and len(frame.homographies) == 5
 
 
-def test_points_beside_and_behind_the_camera_are_outside_a_flat_picture():
+def test_points_next_to_and_behind_the_camera_are_outside_a_flat_picture():
     """A floor that runs under an equidistant fisheye, half of it more than 90 degrees off axis."""
     i, j = np.meshgrid(np.arange(9), np.arange(12))
     index = np.stack([i.ravel(), j.ravel()], axis=1)

@@ -40,7 +40,7 @@ def test_files_that_are_no_images(tmp_path):
             read_image(tmp_path / "bad.png")
 
 
-def test_unknown_format_leaves_nothing_behind(tmp_path):
+def test_unknown_format_leaves_no_file(tmp_path):
     with pytest.raises(InputError, match="'.xyz', which names no image format"):
         write_image(tmp_path / "a.xyz", np.zeros((8, 8), np.uint8))
     assert not list(tmp_path.iterdir())

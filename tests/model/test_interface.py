@@ -65,10 +65,10 @@ def test_table_two_is_the_papers():
     ({1: 0xFFFFFFFF}, "height 4294967295"), ({2: 0x04}, "0x04 of Table II is none of"),
     ({3: 2**56 - 1}, "says 72057594037927935 bytes, a picture of 64x48 Mono8 has 3072"),
     ({3: 0}, "says 0 bytes"), ({5: 65536}, "port 65536")])
-def test_bad_mraw_headers_are_refused(change, message):
+def test_bad_mraw_headers_are_rejected(change, message):
     values = [64, 48, MONO8.mraw, 3072, 1, 4000, 7]
-    for place, value in change.items():
-        values[place] = value
+    for offset, value in change.items():
+        values[offset] = value
     data = b"".join(v.to_bytes(f.length, "big") for f, v in zip(FIELDS, values))
     with pytest.raises(InputError, match=message):
         MrawHeader.unpack(data)
@@ -81,8 +81,8 @@ def test_no_random_header_announces_more_than_the_largest_picture():
     good = 0
     for _ in range(3000):
         data = bytearray(MrawHeader(64, 48, BGRA8, "1.2.3.4", 4000, 0).pack())
-        for place in rng.integers(0, HEADER_BYTES, rng.integers(1, 6)):
-            data[place] = rng.integers(0, 256)
+        for offset in rng.integers(0, HEADER_BYTES, rng.integers(1, 6)):
+            data[offset] = rng.integers(0, 256)
         try:
             header = MrawHeader.unpack(bytes(data))
         except InputError:
@@ -115,7 +115,7 @@ def test_pictures_are_packed_and_unpacked():
     assert np.array_equal(packed(raw, bayer_format("RGGB")), raw)
 
 
-def test_no_two_features_share_a_place():
+def test_no_two_features_share_an_address():
     addresses = [one.address for one in FEATURES]
     assert len(set(addresses)) == len({f.name for f in FEATURES}) == len(FEATURES)
     for a, b in itertools.combinations([f for f in FEATURES if f.table], 2):

@@ -56,8 +56,8 @@ def test_a_flat_colour_stays_that_colour_up_to_every_edge(needs, bayer):
     colour = np.broadcast_to(np.uint8([201, 90, 17]), (10, 12, 3))
     windows = raw_windows(mosaic(colour, bayer), GRADIENT)
     y0, x0 = np.indices((9, 11))
-    places = DECODERS[needs](windows[y0, x0], x0, y0, BAYER_PHASE[bayer])
-    assert (places == 16 * colour[0, 0].astype(int).reshape(1, 1, 3, 1, 1)).all()
+    corners = DECODERS[needs](windows[y0, x0], x0, y0, BAYER_PHASE[bayer])
+    assert (corners == 16 * colour[0, 0].astype(int).reshape(1, 1, 3, 1, 1)).all()
 
 
 @both
@@ -67,10 +67,10 @@ def test_a_ramp_stays_a_ramp_away_from_the_edges(needs):
     colour = np.stack([3 * u + 2 * v + first for first in (10, 60, 90)], axis=-1).astype(np.uint8)
     windows = raw_windows(mosaic(colour, "GBRG"), GRADIENT)
     y0, x0 = np.mgrid[2:9, 2:11]
-    places = DECODERS[needs](windows[y0, x0], x0, y0, BAYER_PHASE["GBRG"])
+    corners = DECODERS[needs](windows[y0, x0], x0, y0, BAYER_PHASE["GBRG"])
     for j in range(2):
         for i in range(2):
-            np.testing.assert_array_equal(np.moveaxis(places[j, i], 0, -1),
+            np.testing.assert_array_equal(np.moveaxis(corners[j, i], 0, -1),
                                           16 * colour[y0 + j, x0 + i].astype(int))
 
 
@@ -95,12 +95,12 @@ def test_a_transposed_window_has_transposed_colours_but_for_rounding():
 def test_samples_outside_the_frame_are_mirrored():
     raw = np.random.default_rng(2).integers(0, 256, (8, 9), np.uint8)
     windows = raw_windows(raw, GRADIENT)
-    assert windows.shape == (7, 8, 6, 6)        # a first place in each row and column but the last
+    assert windows.shape == (7, 8, 6, 6)        # a first pixel in each row and column but the last
     np.testing.assert_array_equal(windows[0, 0, 0], raw[2, [2, 1, 0, 1, 2, 3]])
     np.testing.assert_array_equal(windows[6, 7, 5], raw[5, [5, 6, 7, 8, 7, 6]])
 
 
-def test_places_just_outside_are_moved_in_and_others_are_blank():
+def test_positions_just_outside_are_moved_in_and_others_are_blank():
     geometry, q = Geometry(8, 8, 20, 16, interpolation=GRADIENT), Q(14, 10)
 
     def at(x):
@@ -112,26 +112,26 @@ def test_places_just_outside_are_moved_in_and_others_are_blank():
 
 
 def test_rounding_is_once_and_to_nearest():
-    places = np.random.default_rng(3).integers(0, 16 * 255 + 1, (2, 2, 3, 500))
+    corners = np.random.default_rng(3).integers(0, 16 * 255 + 1, (2, 2, 3, 500))
     fx, fy = np.random.default_rng(4).integers(0, 1024, (2, 500))
-    exact = sum(weight * places[j, i] for j, i, weight in (
+    exact = sum(weight * corners[j, i] for j, i, weight in (
         (0, 0, (1024 - fx) * (1024 - fy)), (0, 1, fx * (1024 - fy)),
         (1, 0, (1024 - fx) * fy), (1, 1, fx * fy))) / 2**24
-    assert np.abs(bilinear(places, fx, fy, 10, 4).T - exact).max() <= 0.5
+    assert np.abs(bilinear(corners, fx, fy, 10, 4).T - exact).max() <= 0.5
 
 
 def test_grey_is_bilinear_between_the_samples_of_every_row_and_column():
     geometry = Geometry(8, 8, 10, 9, bayer=MONO, interpolation=GRADIENT)
     raw = np.random.default_rng(5).integers(0, 256, (9, 10), np.uint8)
     y0, x0 = np.indices((8, 9))
-    places = corner_colours(raw_windows(raw, GRADIENT)[y0, x0], x0, y0, geometry)
+    corners = corner_colours(raw_windows(raw, GRADIENT)[y0, x0], x0, y0, geometry)
     for j in range(2):
         for i in range(2):
-            assert (places[j, i] == places[j, i, :1]).all()
-            np.testing.assert_array_equal(places[j, i, 0], 16 * raw[y0 + j, x0 + i].astype(int))
+            assert (corners[j, i] == corners[j, i, :1]).all()
+            np.testing.assert_array_equal(corners[j, i, 0], 16 * raw[y0 + j, x0 + i].astype(int))
     a, b, c, d = (raw[:-1, :-1], raw[:-1, 1:], raw[1:, :-1], raw[1:, 1:])
     middle = (a.astype(int) + b + c + d + 2) // 4
-    np.testing.assert_array_equal(bilinear(places, 512, 512, 10, 4)[..., 1], middle)
+    np.testing.assert_array_equal(bilinear(corners, 512, 512, 10, 4)[..., 1], middle)
 
 
 def test_a_grey_sensor_is_a_bit_of_the_register_of_the_phase(tmp_path):
@@ -162,7 +162,7 @@ def test_a_descriptor_keeps_its_interpolation(tmp_path):
         Descriptor.load(tmp_path / "cubic.toml")
 
 
-def test_hardware_tells_which_it_has():
+def test_hardware_states_which_it_has():
     for needs in (FAST, GRADIENT, DIRECTIONAL):
         made = Hardware().made_for(barrel_descriptor(interpolation=needs))
         word = capabilities(made, 48, 40)["CAPABILITIES"]
@@ -171,7 +171,7 @@ def test_hardware_tells_which_it_has():
     assert capabilities(paper, 48, 40)["CAPABILITIES"] & INTERPOLATION_BITS[FAST.name]
 
 
-def test_a_fetcher_without_such_windows_is_refused():
+def test_a_fetcher_without_such_windows_is_rejected():
     gradient = gradient_descriptor()
     with pytest.raises(InputError, match="interpolation is gradient, the multiport fetcher"):
         Hardware(fetcher="multiport").made_for(gradient)

@@ -1,4 +1,4 @@
-"""Camchains of Kalibr: each model against its published formula, choice of the camera, refusals."""
+"""Camchains of Kalibr: each model and its published formula, choice of camera, rejected files."""
 
 import json
 

@@ -134,7 +134,7 @@ def test_camera_file_without_a_value(tmp_path, line, error):
     ({"centre": [1.0]}, "centre is .*, 2 numbers are needed"),
     ({"k": "none"}, "k holds .none., a number is needed"),
 ])
-def test_camera_refuses_bad_values(change, error):
+def test_camera_rejects_bad_values(change, error):
     with pytest.raises(InputError, match=error):
         Camera.from_dict({**example_camera().to_dict(), **change})
 
@@ -179,7 +179,7 @@ def test_zoom_that_is_none(zoom):
         example_camera().framed(zoom=zoom)
 
 
-def test_zoom_fit_of_a_lens_that_sees_behind():
+def test_zoom_fit_of_a_lens_that_sees_more_than_a_hemisphere():
     table = {"width": 640, "height": 480, "f_distorted": 180.0, "centre": [320, 240]}
     with pytest.raises(InputError, match="90 degrees or more"):
         Camera.from_dict(table)

@@ -15,7 +15,7 @@ from ncdc_spec.errors import InputError
 
 
 def page(columns=20, rows=15, noise=0.05, seed=1):
-    """Index and places of a barrel-distorted lattice with 30 pixels between points."""
+    """Index and positions of a barrel-distorted lattice with 30 pixels between points."""
     i, j = np.meshgrid(np.arange(columns), np.arange(rows))
     index = np.stack([i.ravel(), j.ravel()], axis=1)
     flat = (index - (columns / 2, rows / 2)) * 30.0
@@ -24,7 +24,7 @@ def page(columns=20, rows=15, noise=0.05, seed=1):
     return index, 320 + flat * (1 - 0.1 * r2) + rng.normal(0, noise, flat.shape)
 
 
-def test_right_points_are_kept():
+def test_right_points_stay():
     held = check_neighbours(*page())
     assert held.keep.all() and held.reasons == {}
     assert held.sigma == pytest.approx(0.05, rel=0.3)
@@ -89,7 +89,7 @@ def test_a_lattice_is_walked_around_a_hole_in_the_middle():
     assert len(found.where) == keep.sum() and (shift == shift[0]).all()
 
 
-def test_several_lattices_are_told_apart():
+def test_several_lattices_are_distinguished():
     index, xy = page()
     second = xy @ np.array([[0.9, 0.3], [-0.3, 0.9]]) + (1500, 0)
     found = find_lattices(np.vstack([xy, second[:200]]), (0, 0))
@@ -106,7 +106,7 @@ def dots_picture(size, columns, rows, light):
     return (light * (220 - 190 * ink) / 220).astype(np.uint8)
 
 
-def test_dots_on_darker_ground_are_dropped_with_place_and_reason():
+def test_dots_on_darker_ground_are_dropped_with_position_and_reason():
     light = np.where(np.arange(560) < 392, 220.0, 80.0)
     found = find_dots(dots_picture((560, 310), 20, 11, light))
     assert found.xy[:, 0].max() < 392 and len(found.index) >= 14 * 11

@@ -48,7 +48,7 @@ def test_further_radial_terms_are_those_of_nerfstudio(tmp_path):
                                atol=1e-9)
 
 
-def test_angle_in_place_of_a_focal_length(tmp_path):
+def test_angle_instead_of_a_focal_length(tmp_path):
     read = load_camera_map(write(tmp_path / "t.json", w=640, h=480, camera_angle_x=np.pi / 2))
     np.testing.assert_allclose(read.distort(np.array([-1, 1]), np.zeros(2))[0], [-.5, 639.5])
 

@@ -1,4 +1,4 @@
-"""The network at nodes: the golden model against exact arithmetic, its choice, its refusals."""
+"""The network at nodes: golden model compared with exact arithmetic, choice, what is rejected."""
 
 from dataclasses import replace
 from fractions import Fraction
@@ -53,7 +53,7 @@ def test_a_parabola_is_met_exactly(nodes):
 
 
 @pytest.mark.parametrize("nodes", NODES[1:])
-def test_nothing_saturates_beside_the_narrowest_picture(nodes):
+def test_nothing_saturates_next_to_the_narrowest_picture(nodes):
     d = at_nodes(nodes, (4 * nodes + 1, 20))
     width = d.geometry.corrected_width
     columns = np.arange(-1, row_nodes(width, nodes) - 1) * nodes

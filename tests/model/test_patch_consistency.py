@@ -42,7 +42,7 @@ def half_covered(image, at):
     image[at[1] - 14:at[1] + 14, at[0] + 3:at[0] + 18] = 190
 
 
-def blot_beside(image, at):
+def blot_next_to(image, at):
     cv2.circle(image, (at[0] + 9, at[1] + 3), 7, 25, -1, cv2.LINE_AA)
 
 
@@ -53,16 +53,16 @@ def test_a_clean_tilted_page_keeps_all():
     assert consistent_patches(image, photo) is photo
 
 
-@pytest.mark.parametrize("spoil", [half_covered, blot_beside])
-def test_a_dot_that_is_not_seen_whole_is_dropped(spoil):
+@pytest.mark.parametrize("degrade", [half_covered, blot_next_to])
+def test_a_dot_that_is_not_seen_whole_is_dropped(degrade):
     image, index, xy = page()
-    spoil(image, np.rint(xy[VICTIM]).astype(int))
+    degrade(image, np.rint(xy[VICTIM]).astype(int))
     photo = found(image, index, xy)
     off = np.linalg.norm(photo.xy - xy[[(index == key).all(axis=1).argmax()
                                         for key in photo.index]], axis=1)
     assert off.max() > 1                    # else there would be nothing to find
-    kept = consistent_patches(image, photo)
-    away = np.linalg.norm(kept.xy - xy[[(index == key).all(axis=1).argmax()
-                                        for key in kept.index]], axis=1)
+    checked = consistent_patches(image, photo)
+    away = np.linalg.norm(checked.xy - xy[[(index == key).all(axis=1).argmax()
+                                           for key in checked.index]], axis=1)
     assert away.max() < 0.5
-    assert 1 <= kept.rejected[REASON] == len(kept.dropped) <= 3
+    assert 1 <= checked.rejected[REASON] == len(checked.dropped) <= 3

@@ -70,7 +70,7 @@ def set_point(row):
     (set_point([1, 0, float("nan"), 5.0, 1.0]), "a.png: xy holds a number that is not finite"),
     (set_point([1, 0, 20.0, 5.0, float("inf")]), "a.png: area holds a number that is not finite"),
 ])
-def test_bad_values_are_refused(path, change, error):
+def test_bad_values_are_rejected(path, change, error):
     table = json.loads(path.read_text())
     change(table)
     path.write_text(json.dumps(table))

@@ -70,9 +70,9 @@ def test_the_lattice_is_found_in_any_unit(tmp_path, write):
 
 def test_corners_of_tags_lie_on_a_finer_lattice(tmp_path):
     tag, gap = .088, .0264
-    places = np.array([k * (tag + gap) + side for k in range(4) for side in (0, tag)])
+    positions = np.array([k * (tag + gap) + side for k in range(4) for side in (0, tag)])
     lines = [HEADER.strip()] + [f"a,{x:.4f},{y:.4f},0,{40 + 500 * x},{30 + 450 * y}"
-                                for y in places for x in places]
+                                for y in positions for x in positions]
     (tmp_path / "p.csv").write_text("\n".join(lines))
     index = load_csv(tmp_path / "p.csv", (320, 240)).photos[0].index
     assert np.unique(index[:, 0]).tolist() == [0, 10, 13, 23, 26, 36, 39, 49]

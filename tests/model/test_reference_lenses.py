@@ -42,9 +42,9 @@ def test_dots_are_those_the_goals_were_set_on():
 
 
 @pytest.mark.parametrize("name", REFERENCE_LENSES)
-def test_dots_equal_those_beside_the_repository(name):
+def test_dots_equal_those_outside_the_repository(name):
     if not SHARED.is_dir():
-        pytest.skip("the folder ../shared/lenses beside the repository is absent")
+        pytest.skip("the folder ../shared/lenses next to the repository is absent")
     assert json.loads((SHARED / "lenses.json").read_text())[name] == reference_table(name)
     given = np.loadtxt(SHARED / f"{name}_dots.csv", delimiter=",", skiprows=1).T
     np.testing.assert_array_equal(values(ReferenceLens(name).dots()), given)

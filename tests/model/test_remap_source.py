@@ -135,7 +135,7 @@ def test_between_pixels_the_map_is_linear_and_a_missing_neighbour_does_not_reach
     assert a[1] == x[30, 99] and np.isnan(a[2]) and a[3] == x[-1, 40]
 
 
-def test_a_map_that_goes_on_beyond_the_sensor_is_told(tmp_path):
+def test_a_map_that_goes_on_beyond_the_sensor_is_reported(tmp_path):
     x, y = stereo_maps(*SIZE, alpha=1)[0]
     read = load_remap(numpy_file(tmp_path, map_x=x, map_y=y), SIZE)
     assert "of the map's pixels have a source beyond a sensor of 160x128; is that its size?" in \
@@ -163,7 +163,7 @@ def noisy(sigma):
     return [table + rng.normal(0, sigma, table.shape).astype(np.float32) for table in (X, Y)]
 
 
-def test_a_rough_map_is_told(tmp_path):
+def test_a_rough_map_is_reported(tmp_path):
     x, y = noisy(.1)
     warning, = load_remap(numpy_file(tmp_path, map_x=x, map_y=y), SIZE).warnings
     assert "the map scatters by 0.1" in warning
@@ -215,7 +215,7 @@ CARELESS = {
 
 
 @pytest.mark.parametrize("tables,message", CARELESS.values(), ids=list(CARELESS))
-def test_careless_maps_are_refused_by_what_they_are(tmp_path, tables, message):
+def test_careless_maps_are_rejected_by_what_they_are(tmp_path, tables, message):
     paths = numpy_file(tmp_path, map_x=tables[0], map_y=tables[1])
     with pytest.raises(InputError, match=message):
         load_remap(paths, SIZE)

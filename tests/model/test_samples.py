@@ -8,7 +8,7 @@ from ncdc_spec.errors import InputError
 
 
 @pytest.mark.parametrize("bits", range(8, 17))
-def test_all_ones_are_white_and_upper_bits_are_kept(bits):
+def test_all_ones_are_white_and_upper_bits_are_used(bits):
     values = np.arange(1 << bits, dtype=np.uint16)
     assert (scaled(values, (1 << bits) - 1) == values >> (bits - 8)).all()
 

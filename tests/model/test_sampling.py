@@ -1,4 +1,4 @@
-"""Values of a picture at lists of places."""
+"""Values of a picture at lists of positions."""
 
 import cv2
 import numpy as np
@@ -13,21 +13,21 @@ def ramp(dtype):
 
 
 @pytest.mark.parametrize("shape", [(), (0,), (5,), (40_000,), (9_000, 4), (12_000, 3, 2)])
-def test_any_number_of_places_in_any_shape(shape):
-    places = np.random.default_rng(1).uniform((0, 0), (58, 38), (*shape, 2))
-    values = sample(ramp(np.float32), places)
+def test_any_number_of_positions_in_any_shape(shape):
+    positions = np.random.default_rng(1).uniform((0, 0), (58, 38), (*shape, 2))
+    values = sample(ramp(np.float32), positions)
     assert values.shape == shape and values.dtype == np.float32
-    # OpenCV may count places in 32nds of a pixel.
-    np.testing.assert_allclose(values, 3 * places[..., 0] + 2 * places[..., 1], atol=0.1)
+    # OpenCV may count positions in 32nds of a pixel.
+    np.testing.assert_allclose(values, 3 * positions[..., 0] + 2 * positions[..., 1], atol=0.1)
 
 
 @pytest.mark.parametrize("kernel", [cv2.INTER_LINEAR, cv2.INTER_CUBIC])
 @pytest.mark.parametrize("dtype", [np.uint8, np.float32])
 def test_blocks_change_nothing(kernel, dtype):
     picture = np.random.default_rng(2).uniform(0, 255, (50, 70)).astype(dtype)
-    places = np.random.default_rng(3).uniform(-3, 75, (100, 500, 2)).astype(np.float32)
-    at_once = cv2.remap(picture, places, None, kernel, borderMode=cv2.BORDER_REPLICATE)
-    np.testing.assert_array_equal(sample(picture, places, kernel), at_once)
+    positions = np.random.default_rng(3).uniform(-3, 75, (100, 500, 2)).astype(np.float32)
+    at_once = cv2.remap(picture, positions, None, kernel, borderMode=cv2.BORDER_REPLICATE)
+    np.testing.assert_array_equal(sample(picture, positions, kernel), at_once)
 
 
 def test_beyond_the_border_are_the_border_s_values():

@@ -29,7 +29,7 @@ def seam_of(index, xy):
 
 
 def bumped(xy):
-    """A lens that is uneven in two places, by 3.6 and 2.5 pixels."""
+    """A lens that is uneven at two positions, by 3.6 and 2.5 pixels."""
     out = xy.copy()
     for middle, high, wide, way in BUMPS:
         out += high * np.exp(-((xy - middle)**2).sum(axis=1) / 2 / wide**2)[:, None] * way
@@ -38,7 +38,7 @@ def bumped(xy):
 
 @pytest.mark.parametrize("columns,rows,step", [
     pytest.param(25, 19, 0.1, marks=pytest.mark.longer), (11, 8, 0.21)])
-def test_two_sheets_are_found_with_their_place_and_step(columns, rows, step):
+def test_two_sheets_are_found_with_their_position_and_step(columns, rows, step):
     index, xy = page(columns, rows, step)
     right = xy[:, 0] > 640
     xy[right] += (1.0, 3.0)

@@ -101,9 +101,9 @@ def test_ov5640_by_hand():
 
 @EACH
 def test_exposure_and_gain_are_the_nearest(sensor):
-    chance = np.random.default_rng(5)
+    rng = np.random.default_rng(5)
     for _ in range(200):
-        exposure, gain = float(chance.uniform(200, 50_000)), float(chance.uniform(0, 35.5))
+        exposure, gain = float(rng.uniform(200, 50_000)), float(rng.uniform(0, 35.5))
         plan = setup(sensor, Settings(width=640, height=480, exposure_us=exposure, gain_db=gain))
         assert abs(plan.exposure_us - exposure) <= plan.timing.line_us / 2 * (1 + 1e-9)
         again = setup(sensor, Settings(width=640, height=480, exposure_us=plan.exposure_us,
@@ -113,7 +113,7 @@ def test_exposure_and_gain_are_the_nearest(sensor):
 
 
 @EACH
-def test_a_frame_rate_is_kept(sensor):
+def test_a_frame_rate_is_met(sensor):
     for rate in (15, 20.25, 30):
         plan = setup(sensor, Settings(width=640, height=480, exposure_us=500,
                                       frames_per_second=rate))
@@ -222,7 +222,7 @@ LIMITS = [
 
 
 @pytest.mark.parametrize("name,asked,sentence", LIMITS)
-def test_a_limit_is_told(name, asked, sentence):
+def test_a_limit_is_reported(name, asked, sentence):
     with pytest.raises(InputError) as error:
         prepared(name, **asked)
     assert sentence in str(error.value)
@@ -266,11 +266,11 @@ def test_reduced_columns_and_rows_keep_their_colours(sensor):
         left, top = ((8 - first) % (2 * bins) + 8 for first in sensor.first)
         plan = setup(sensor, Settings(left=left, top=top, width=18, height=16, skip=skip,
                                       bins=bins))
-        for places, begin in ((plan.columns, left), (plan.rows, top)):
-            read = [begin + 2 * skip * group + column for group in range(len(places) // 2)
+        for positions, begin in ((plan.columns, left), (plan.rows, top)):
+            read = [begin + 2 * skip * group + column for group in range(len(positions) // 2)
                     for column in (0, 1)]
             means = [np.mean([first + 2 * k for k in range(bins)]) for first in read]
-            assert list(places) == means, (skip, bins)
+            assert list(positions) == means, (skip, bins)
         assert plan.bayer == bayer_at(sensor.bayer, left, top)
 
 

@@ -51,8 +51,8 @@ def test_corners_of_any_blur_are_right(sigma):
 @pytest.mark.longer
 @pytest.mark.parametrize("sigma", [4, 9])
 def test_a_board_partly_out_of_focus_keeps_its_corners(board, sigma):
-    spoiled = spoil.part_focus(board, sigma, 5.0, 0.5)
-    found = find_boards(spoiled.image)[0]
+    degraded = spoil.part_focus(board, sigma, 5.0, 0.5)
+    found = find_boards(degraded.image)[0]
     true = board.truths[0].xy
     off = np.linalg.norm(found.xy[:, None] - true, axis=2).min(axis=1)
     assert len(found.xy) >= 0.9 * len(true) and off.max() < 0.6

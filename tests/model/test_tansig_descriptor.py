@@ -39,7 +39,7 @@ def test_any_tansig_survives_the_file_and_stays_close(variant, bits, tmp_path):
         assert np.abs(a[k] - b[k]).max() <= allowed[k]
 
 
-def test_the_digest_tells_variants_apart():
+def test_the_digest_distinguishes_variants():
     assert len({requantised(variant=variant).digest for variant in VARIANTS}) == len(VARIANTS)
 
 
@@ -72,7 +72,7 @@ def test_gamma_scales_what_the_hardware_computes():
     ("fraction_bits = 20", "fraction_bits = 18", "has 18 fraction bits, its format Q1.21"),
     ("tansig = [1, 21]", "tansig = [2, 21]", "format is Q2.21, one integer bit is needed"),
 ])
-def test_refuses(old, new, message, tmp_path):
+def test_rejects(old, new, message, tmp_path):
     path = tmp_path / "net.toml"
     D.save(path)
     text = path.read_text()
@@ -84,7 +84,7 @@ def test_refuses(old, new, message, tmp_path):
 
 @pytest.mark.parametrize("variant", VARIANTS)
 @pytest.mark.parametrize("bits", [16, 22])
-def test_the_front_end_has_room_for_every_variant(variant, bits):
+def test_the_front_end_has_space_for_every_variant(variant, bits):
     backmap = BackMap(1, Formats().with_tansig_bits(bits), variant=variant)
     Fragment.get(backmap, None)
     assert backmap.queue > backmap.latency + CreditQueue.loop
@@ -119,7 +119,7 @@ def test_train_writes_the_chosen_tansig(tmp_path):
     np.testing.assert_allclose(ratio, 4, rtol=1e-4)
 
 
-def test_train_refuses_a_gamma_that_is_not_positive(tmp_path):
+def test_train_rejects_a_gamma_that_is_not_positive(tmp_path):
     lens().save(tmp_path / "camera.toml")
     with pytest.raises(InputError, match="gamma is -1.0, a positive number is needed"):
         call(train, tmp_path / "camera.toml", "--neurons", 2, "--gamma", -1)

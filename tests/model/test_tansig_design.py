@@ -1,4 +1,4 @@
-"""Tan-sigmoid: choice of the parameters, refusals, and planted errors that must be noticed."""
+"""Tan-sigmoid: choice of the parameters, rejected ones, planted errors that must be found."""
 
 import re
 
@@ -25,7 +25,7 @@ from tansigs import DESIGNS, errors, every_magnitude, gateware, stimuli
 
 
 @pytest.mark.parametrize("bits", FRACTION_BITS)
-def test_a_narrower_mmhbc_is_refused_and_so_is_a_smaller_table(bits):
+def test_a_narrower_mmhbc_is_rejected_and_so_is_a_smaller_table(bits):
     design = TansigDesign.for_bits(bits)
     for width, regions in [(design.width - 1, range(3, design.region_bits + 1)),
                            (design.width, range(3, design.region_bits))]:
@@ -47,7 +47,7 @@ def test_a_narrower_mmhbc_is_refused_and_so_is_a_smaller_table(bits):
     (lambda: TansigDesign.for_bits(17), "has 17 fraction bits, one of 16, 18, 20, 22 is needed"),
     (lambda: design_for("taylor"), "variant is 'taylor', one of mmhbc, classic, table is needed"),
 ])
-def test_refuses(make, message):
+def test_rejects(make, message):
     with pytest.raises(InputError, match=message):
         make()
 
@@ -67,7 +67,7 @@ PARTS = {"mmhbc": 0, "classic": 4, "table": 2}
 @pytest.mark.parametrize("design", DESIGNS, ids=str)
 def test_costs_are_those_of_the_netlist(design):
     """Adders of mmhbc exactly; the others have a few more for the parts of products, and narrow
-    ones beside the data path, at most 6."""
+    ones next to the data path, at most 6."""
     netlist = rtlil.convert(Tansig(design), name="tansig")
     adders = len(re.findall(r"cell \$(?:add|sub|neg) ", netlist))
     assert len(re.findall(r"cell \$mul ", netlist)) == PARTS[design.variant] * design.multipliers
@@ -156,7 +156,7 @@ def test_a_narrow_table_breaks_the_bound():
     assert np.abs(errors(every_magnitude(design), design)).max() > 1
 
 
-PLANTED = {                # module, its call of add_signed that goes wrong, how
+PLANTED = {                # module, its call of add_signed that is wrong, how
     "last rotation's carry": (mmhbc, 13, lambda a, b, subtract, carry: (a, b, subtract, 0)),
     "last remainder's carry": (lvc, 19, lambda a, b, subtract, carry: (a, b, subtract, 0)),
     "second digit's sign": (lvc, 1, lambda a, b, subtract, carry: (a, b, ~subtract, carry)),

@@ -1,4 +1,4 @@
-"""Relief of a target told from the lens, straightness on points not fitted to, and warnings."""
+"""Flatness of a target separated from the lens, straightness on points not fitted to, warnings."""
 
 import argparse
 import json
@@ -107,7 +107,7 @@ def ripple(xy):
 @pytest.mark.parametrize("height,poses,flaw", [
     (waves(), POSES[:1] * 3, lambda xy: 0.0),
     (np.zeros((ROWS, COLUMNS)), POSES, ripple), (np.zeros((ROWS, COLUMNS)), POSES[:1] * 3, ripple)],
-    ids=["from one place", "flaw of the lens", "flaw of the lens from one place"])
+    ids=["from one position", "flaw of the lens", "flaw of the lens from one position"])
 def test_photos_do_not_prove_what_the_lens_may_have_done(height, poses, flaw):
     points, _ = page(height, poses=poses, flaw=flaw)
     assert ideal_frame(replace(points, page="relief")).relief.any()
@@ -156,7 +156,7 @@ def test_scatter_is_that_of_one_point():
     assert polynomial(index, 3).shape == (len(index), 10)
 
 
-def spoilt(points, shuffled=0, lost=0):
+def damaged(points, shuffled=0, lost=0):
     """``points`` with so many indices swapped among themselves and so many points lost."""
     photo, rng = points.photos[0], np.random.default_rng(8)
     index = photo.index.copy()
@@ -174,22 +174,22 @@ def measured(scatter):
 
 
 @pytest.mark.longer
-def test_wrong_indices_are_dropped_or_refused():
+def test_wrong_indices_are_dropped_or_rejected():
     points, _ = page(np.zeros((ROWS, COLUMNS)))
-    few = spoilt(points, shuffled=18)
+    few = damaged(points, shuffled=18)
     frame = ideal_frame(few)
     assert frame.rejected[Dropped.GROSS] == 18
     assert any("18 of" in text and "disagree with their neighbours" in text
                for text in warnings_of(few, frame, measured(0.02)))
     with pytest.raises(InputError, match="10 % is the limit: indices or points are wrong"):
-        ideal_frame(spoilt(points, shuffled=90))
+        ideal_frame(damaged(points, shuffled=90))
 
 
-def test_lost_points_and_noise_are_told():
+def test_lost_points_and_noise_are_reported():
     points, _ = page(np.zeros((ROWS, COLUMNS)))
     frame = ideal_frame(points)
     assert warnings_of(points, frame, measured(0.02)) == []
-    holes = spoilt(points, lost=40)
+    holes = damaged(points, lost=40)
     (text,) = warnings_of(holes, frame, measured(0.02))
     assert "positions between other points" in text and "have no point" in text
     (text,) = warnings_of(points, frame, measured(0.4))
@@ -205,7 +205,7 @@ def test_command_reports_straightness_and_draws_arrows(tmp_path, capsys):
                                      "--json", "-"]))
     report = json.loads(capsys.readouterr().out)
     assert report["target"] == "dots" and report["points_cut"] > 20
-    # The example's lens is uneven: one photo cannot tell that from a bent page.
+    # The example's lens is uneven: one photo cannot separate that from a bent page.
     (warning,) = report["warnings"]
     assert "The page may be bent" in warning
     assert 0 < report["straightness_floor_rms_px"] < report["straightness_rms_px"] < 0.2

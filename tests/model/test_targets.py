@@ -113,7 +113,7 @@ def test_staggered_circles(grid, target):
     assert points.aspect == pytest.approx(aspect)
 
 
-def test_stray_circles_beside_a_grid_are_left_out():
+def test_stray_circles_next_to_a_grid_are_left_out():
     centres = np.vstack([lines_of_circles(8, 6), [(360, 40), (360, 80)]])
     grid = find_grid(circles(centres, (440, 280)))
     assert len(grid.photo.index) == 48 and grid.filled == 1
@@ -193,14 +193,14 @@ def test_photos_without_the_target_are_named_and_the_others_used():
 
 
 @pytest.mark.longer
-def test_auto_tells_dots_from_chessboards():
+def test_auto_distinguishes_dots_from_chessboards():
     assert detect_points([("dots", target_photo(example_camera()))], "auto").target == "dots"
     assert detect_points([("board", chessboard(9, 6)[0])], "auto").target == "chessboard"
     with pytest.raises(InputError, match="neither a whole grid of circles, a page of at least 49"):
         detect_points([("blank", np.full((120, 160), 200, np.uint8))], "auto")
 
 
-# Points of the photos in full size that detection gives up, told with their place: a circle whose
+# Points of the photos in full size that detection gives up, with their position: a circle whose
 # neighbours predict it elsewhere.
 GIVEN_UP = {"circles/circle_regular/*.jpg": 1}
 
@@ -234,7 +234,7 @@ def test_real_targets_are_recognised(pattern, target, columns, rows):
     assert (points.target, points.columns, points.rows) == (target, columns, rows)
 
 
-def test_real_photo_of_another_target_is_refused():
+def test_real_photo_of_another_target_is_rejected():
     file = photos("scenes/*.jpg")[0]
     with pytest.raises(InputError, match="no photo shows the target"):
         detect_points([(file.name, read_image(file))], "chessboard:9x6")
@@ -253,7 +253,7 @@ def test_overlay_draws_on_the_points():
 
 
 def test_one_photo_is_in_memory():
-    """A photo is read again only where OpenCV looks for a size that all photos together tell."""
+    """A photo is read again only where OpenCV looks for a size that all photos together give."""
     board = cv2.GaussianBlur(chessboard(9, 6, step=20)[0], (0, 0), 1)
     width, alive, reads = board.shape[1], [], []
 

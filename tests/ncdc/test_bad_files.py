@@ -1,4 +1,4 @@
-"""Every kind of input file, spoilt in every way: one sentence and exit 2, or it is right."""
+"""Every kind of input file, damaged in every way: one sentence and exit 2, or it is right."""
 
 import json
 import os
@@ -62,11 +62,11 @@ def folder(tmp_path_factory):
 
 
 class _Trained(InputError):
-    """Raised in place of a training: the input was accepted."""
+    """Raised instead of a training: the input was accepted."""
 
 
 @pytest.fixture
-def refused(folder, tmp_path, capsys, monkeypatch):
+def rejected(folder, tmp_path, capsys, monkeypatch):
     """Run the command that reads a file of a kind; its sentence, "" if the file was accepted."""
     def train_camera(*_):
         raise _Trained("accepted")
@@ -92,46 +92,46 @@ def refused(folder, tmp_path, capsys, monkeypatch):
 KINDS = ("points.json", "camera.toml", "camera.yaml", "opencv.json", "kalibr.yaml", "net.toml")
 
 
-def test_the_good_files_are_accepted(refused, folder):
-    assert {kind: refused(kind, folder / kind) for kind in (*KINDS, "frame.png")} == dict.fromkeys(
+def test_the_good_files_are_accepted(rejected, folder):
+    assert {kind: rejected(kind, folder / kind) for kind in (*KINDS, "frame.png")} == dict.fromkeys(
         (*KINDS, "frame.png"), "")
 
 
 @pytest.mark.parametrize("kind", (*KINDS, "frame.png"))
 @pytest.mark.parametrize("name", _TEXTS)
-def test_nonsense_is_refused(refused, tmp_path, kind, name):
+def test_nonsense_is_rejected(rejected, tmp_path, kind, name):
     path = tmp_path / kind
     path.write_bytes(_TEXTS[name])
-    assert str(path) in refused(kind, path)
+    assert str(path) in rejected(kind, path)
 
 
 @pytest.mark.parametrize("kind", (*KINDS, "frame.png"))
-def test_what_is_no_file_is_refused(refused, tmp_path, kind):
-    assert "Is a directory" in refused(kind, tmp_path)
-    assert "No such file" in refused(kind, tmp_path / "none" / kind)
-    assert "it is a device" in refused(kind, Path("/dev/zero"))
+def test_what_is_no_file_is_rejected(rejected, tmp_path, kind):
+    assert "Is a directory" in rejected(kind, tmp_path)
+    assert "No such file" in rejected(kind, tmp_path / "none" / kind)
+    assert "it is a device" in rejected(kind, Path("/dev/zero"))
     if os.geteuid():
         path = tmp_path / kind
         path.touch(mode=0)
-        assert "Permission denied" in refused(kind, path)
+        assert "Permission denied" in rejected(kind, path)
 
 
 @pytest.mark.parametrize("kind", KINDS)
-def test_marks_and_line_ends_of_other_systems_are_read(refused, folder, tmp_path, kind):
+def test_marks_and_line_ends_of_other_systems_are_read(rejected, folder, tmp_path, kind):
     content = (folder / kind).read_bytes()
     path = tmp_path / kind
     for written in (b"\xef\xbb\xbf" + content, content.replace(b"\n", b"\r\n")):
         path.write_bytes(written)
-        assert refused(kind, path) == ""
+        assert rejected(kind, path) == ""
 
 
 @pytest.mark.parametrize("kind", (*KINDS, "frame.png"))
-def test_a_part_of_a_file_is_no_traceback(refused, folder, tmp_path, kind):
+def test_a_part_of_a_file_is_no_traceback(rejected, folder, tmp_path, kind):
     content = (folder / kind).read_bytes()
     path = tmp_path / kind
     for part in np.linspace(0, len(content), 12, endpoint=False).astype(int):
         path.write_bytes(content[:part])
-        refused(kind, path)
+        rejected(kind, path)
 
 
 def changed(text, part, parts):
@@ -140,24 +140,24 @@ def changed(text, part, parts):
     Of all pairs of a number and a value for it those of one part in ``parts``: each number gets
     every ``parts``-th value, each value comes to every ``parts``-th number.
     """
-    places = list(re.finditer(r"(?<![\w.\"])-?\d+(\.\d+)?(e-?\d+)?(?![\w.\"])", text))
-    step = max(1, len(places) // 12)
-    for n, place in enumerate(places[::step]):
+    matches = list(re.finditer(r"(?<![\w.\"])-?\d+(\.\d+)?(e-?\d+)?(?![\w.\"])", text))
+    step = max(1, len(matches) // 12)
+    for n, match in enumerate(matches[::step]):
         for value in _VALUES[(part - n) % parts::parts]:
-            yield f"{n} {value}", text[:place.start()] + value + text[place.end():]
-    for place in re.finditer(r"(?m)(?<=^)\w+(?= ?[=:])|\"\w+\"(?=:)", text):
-        yield f"without {place[0]}", text[:place.start()] + '"zz"' + text[place.end():]
+            yield f"{n} {value}", text[:match.start()] + value + text[match.end():]
+    for match in re.finditer(r"(?m)(?<=^)\w+(?= ?[=:])|\"\w+\"(?=:)", text):
+        yield f"without {match[0]}", text[:match.start()] + '"zz"' + text[match.end():]
 
 
 @pytest.mark.parametrize("part", [
     0, *(pytest.param(part, marks=pytest.mark.regress) for part in range(1, 4))])
 @pytest.mark.parametrize("kind", cases(KINDS, longer=["points.json"]))
-def test_a_wrong_value_is_no_traceback(refused, folder, tmp_path, kind, part):
+def test_a_wrong_value_is_no_traceback(rejected, folder, tmp_path, kind, part):
     path = tmp_path / kind
     for note, text in changed((folder / kind).read_text(), part, 4):
         path.write_text(text)
         try:
-            refused(kind, path)
+            rejected(kind, path)
         except Exception as error:
             raise AssertionError(f"{kind}, {note}: {error!r}") from error
 
@@ -190,10 +190,10 @@ IMPORTED = {
 @pytest.mark.parametrize("kind", IMPORTED)
 def test_files_of_other_programs_spoilt_are_one_sentence(tmp_path, kind):
     path, text, accepted = tmp_path / kind, IMPORTED[kind], []
-    spoilt = [text.encode(), *_TEXTS.values()]
-    spoilt += [text.encode()[:part] for part in range(0, len(text), len(text) // 12)]
-    spoilt += [part.encode() for _, part in changed(text, 0, 4)]
-    for content in spoilt:
+    damaged = [text.encode(), *_TEXTS.values()]
+    damaged += [text.encode()[:part] for part in range(0, len(text), len(text) // 12)]
+    damaged += [part.encode() for _, part in changed(text, 0, 4)]
+    for content in damaged:
         path.write_bytes(content)
         try:
             load_camera_map(path, zoom=.5)
@@ -201,7 +201,7 @@ def test_files_of_other_programs_spoilt_are_one_sentence(tmp_path, kind):
         except InputError as error:
             assert str(error).startswith(str(path)) and "\n" not in str(error)
             assert len(str(error)) < 1000
-    assert text.encode() in accepted and len(accepted) < len(spoilt) / 2
+    assert text.encode() in accepted and len(accepted) < len(damaged) / 2
 
 
 @pytest.mark.parametrize("change,sentence", [
@@ -219,7 +219,7 @@ def test_files_of_other_programs_spoilt_are_one_sentence(tmp_path, kind):
     ({"residual": {"bump_sigmas": []}}, "the camera's residual lacks the value 'scale'"),
     ({"residual": 3}, "the camera's residual is 3, names and values are needed"),
 ])
-def test_a_wrong_camera_is_named(refused, folder, tmp_path, change, sentence):
+def test_a_wrong_camera_is_named(rejected, folder, tmp_path, change, sentence):
     table = tomllib.loads((folder / "camera.toml").read_text()) | change
     residual = table.pop("residual")
     lines = [f"{name} = {json.dumps(value)}" for name, value in table.items()]
@@ -230,30 +230,30 @@ def test_a_wrong_camera_is_named(refused, folder, tmp_path, change, sentence):
         lines.append(f"residual = {residual}")
     path = tmp_path / "camera.toml"
     path.write_text("\n".join(lines))
-    assert sentence in refused("camera.toml", path)
+    assert sentence in rejected("camera.toml", path)
 
 
 @pytest.mark.parametrize("keep", [
     lambda i, j: j == 2, lambda i, j: j < 2, lambda i, j: i == 0, lambda i, j: i == j])
-def test_points_of_one_or_two_lines_are_refused(refused, tmp_path, keep):
+def test_points_of_one_or_two_lines_are_rejected(rejected, tmp_path, keep):
     index = np.array([(i, j) for j in range(30) for i in range(30) if keep(i, j)])
     xy = index * 7.0 + 20 + .01 * index**2
     path = tmp_path / "points.json"
     TargetPoints("dots", (320, 240), (PhotoPoints(index, xy, np.ones(len(index))),)).save(path)
-    assert "12 whole points on at least 3 rows and 3 columns" in refused("points.json", path)
+    assert "12 whole points on at least 3 rows and 3 columns" in rejected("points.json", path)
 
 
-def test_points_at_one_place_are_refused(refused, tmp_path):
+def test_points_at_one_position_are_rejected(rejected, tmp_path):
     index = np.array([(i, j) for j in range(5) for i in range(6)])
     path = tmp_path / "points.json"
     TargetPoints("dots", (320, 240), (PhotoPoints(index, index * 0. + 50, np.ones(30)),)).save(path)
-    assert "explains the points" in refused("points.json", path)
+    assert "explains the points" in rejected("points.json", path)
 
 
-def test_a_broken_points_file_is_told_to_be_one(refused, folder, tmp_path):
+def test_a_broken_points_file_is_reported_as_one(rejected, folder, tmp_path):
     path = tmp_path / "points.json"
     path.write_text((folder / "points.json").read_text()[:200])
-    assert f"{path} is no points file: " in refused("points.json", path)
+    assert f"{path} is no points file: " in rejected("points.json", path)
 
 
 def test_interruption_is_one_line(folder, tmp_path, monkeypatch, capsys):

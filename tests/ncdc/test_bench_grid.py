@@ -24,7 +24,7 @@ def light_of(field, reduction, size=SIZE):
 
 
 @pytest.mark.parametrize("sampling", SAMPLINGS)
-def test_samples_are_those_of_their_places(sampling):
+def test_samples_are_those_of_their_positions(sampling):
     """On a ramp a mean is the value in the middle of its pixels."""
     s, members = SAMPLINGS[sampling]
     light = light_of(lambda x, y: 40 + x / 4 + y / 8, s)

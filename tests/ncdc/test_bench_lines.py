@@ -1,4 +1,4 @@
-"""The line test: straight, bent and turned boards of known places; ``ncdc bench lines``."""
+"""The line test: straight, bent and turned boards of known positions; ``ncdc bench lines``."""
 
 import json
 
@@ -26,8 +26,8 @@ def board(bend, blank=None):
     """Lines found on a chessboard drawn without a lens, pixel (u, v) showing ``bend(u, v)``."""
     u, v = np.meshgrid(np.arange(0, SIZE[0], .25), np.arange(0, SIZE[1], .25))
     sign = 1.0
-    for place in bend(u - .375, v - .375):
-        distance = PITCH * (np.abs(np.mod(place / PITCH, 2) - 1) - .5)
+    for position in bend(u - .375, v - .375):
+        distance = PITCH * (np.abs(np.mod(position / PITCH, 2) - 1) - .5)
         sign = sign * np.clip(distance / .5, -1, 1)
     grey = cv2.resize(DARK + (LIGHT - DARK) * (1 + sign) / 2, SIZE, interpolation=cv2.INTER_AREA)
     noise = np.random.default_rng(5).normal(0, 1.5, grey.shape)

@@ -40,7 +40,7 @@ def row(**figures):
 @pytest.mark.parametrize("bad,word", (
     ({"pixels_different": 1}, "pixels"), ({"underruns": 1}, "wire"),
     ({"clocks_per_command": 3001}, "3000")))
-def test_failures_are_told(bad, word):
+def test_failures_are_reported(bad, word):
     assert not failures([row(clocks_per_command=3000, pixels_different=0)])
     found = failures([row(**bad)])
     assert len(found) == 1 and word in found[0]
@@ -48,7 +48,7 @@ def test_failures_are_told(bad, word):
 
 
 @pytest.mark.parametrize("what,goal", (("corrected", 28), ("raw, from memory", 90)))
-def test_rates_below_their_goals_are_told(what, goal):
+def test_rates_below_their_goals_are_reported(what, goal):
     good = {"what": what, "width": FULL[0], "height": FULL[1], "frames_per_second": goal,
             "lost": 0}
     assert shortfalls([good, good | {"width": 64, "frames_per_second": 1}]) == []
@@ -62,8 +62,8 @@ def test_rates_below_their_goals_are_told(what, goal):
     (["--board", "de1-soc"], "de1-soc has no Ethernet chip at RGMII"),
     (["--board", "faka2"], "faka2 has no Ethernet chip at RGMII"),
     (["--board", "colorlight-i9"], "colorlight-i9 has no screen"),
-    (["--board", "nobody"], "board is 'nobody'")))
-def test_a_board_without_a_network_is_refused(options, said, capsys):
+    (["--board", "unknown"], "board is 'unknown'")))
+def test_a_board_without_a_network_is_rejected(options, said, capsys):
     assert main(["bench", "network", *options]) == 2
     assert said in capsys.readouterr().err
 

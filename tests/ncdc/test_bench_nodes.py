@@ -29,7 +29,7 @@ def test_rows_are_those_of_whole_frames(small):
     for row in rows:
         d = replace(small, nodes=row["nodes"])
         own = small.formats.coordinate.real(np.stack(frame_coordinates(d)))
-        # Against the rounded network at every pixel, half a last bit off what the row compares to.
+        # The rounded network at every pixel is half a last bit off what the row compares to.
         rounded = np.abs(own - every)[:, mask]
         assert abs(rounded.max() - row["added_max_px"]) <= 2**-11 + 2**-18
         assert row["added_mean_px"] < row["added_max_px"] <= row["bound_px"]

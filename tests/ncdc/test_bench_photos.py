@@ -58,7 +58,7 @@ def test_dots_far_out_of_focus_are_warned_of(bank, sigma):
     assert bool(outcome.false) == (sigma == 10)
 
 
-def test_a_board_asked_as_dots_is_refused(bank):
+def test_a_board_asked_as_dots_is_rejected(bank):
     photo = bank.render(("chessboard", 8, 6, Pose()), clutter=True)
     with pytest.raises(InputError, match="it shows a chessboard of 48 corners, no page of dots"):
         DetectionResult("board", photo.image).page

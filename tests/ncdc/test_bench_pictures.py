@@ -109,7 +109,7 @@ def test_the_crops_are_drawn(tmp_path):
 
 
 @pytest.mark.longer
-def test_a_picture_without_colour_is_refused(tmp_path, capsys):
+def test_a_picture_without_colour_is_rejected(tmp_path, capsys):
     assert main(["bench", "pictures", "tests/data/dots/dot_pattern_05.jpg", "--json",
                  str(tmp_path / "out.json")]) == 2
     assert "a colour picture is needed" in capsys.readouterr().err

@@ -137,7 +137,7 @@ def differences(folder, netlist):
 
 def test_registers_and_inversions_are_absorbed(netlists):
     _, before, after, (registers, inversions) = netlists
-    # Both factors' registers of the three products, and two behind each.
+    # Both factors' registers of the three products, and two after each.
     assert registers == 12
     assert inversions == 12
     # x ^ y is read elsewhere too: its flip-flops stay.
@@ -170,7 +170,7 @@ def test_a_wrong_netlist_is_seen(netlists):
 def test_other_flip_flops_stay(netlists, change):
     _, before, _, _ = netlists
     changed = copy.deepcopy(before)
-    # One bit each of both factors and of what is behind the products.
+    # One bit each of both factors and of what is after the products.
     for name, cell in changed["modules"]["top"]["cells"].items():
         if cell["type"] == "TRELLIS_FF" and name.endswith("_Q") \
                 and name.split("_")[0] in ("x0", "y0", "seen", "p0", "q0", "x1", "y1", "r0"):
@@ -199,7 +199,7 @@ def flows(monkeypatch, tmp_path):
     return calls
 
 
-def test_rows_have_the_same_names_for_every_target_and_are_kept(flows):
+def test_rows_have_the_same_names_for_every_target_and_are_cached(flows):
     rows = block_rows("neuron", "hidden", seeds=2)
     assert flows == [("ecp5", 1), ("ecp5", 2), ("cyclonev",), ("cycloneiv",)]
     assert [row["target"] for row in rows] == list(TARGETS)
@@ -226,7 +226,7 @@ def test_one_netlist_for_all_seeds(monkeypatch, tmp_path):
 
     def call(tool, folder, *arguments):
         steps.append(arguments[arguments.index("--seed") + 1])
-        # A flip-flop that nothing reads goes when the netlist is put right.
+        # A flip-flop that nothing reads goes when the netlist is corrected.
         whole = "unread" in (folder / "netlist.json").read_text()
         (folder / "report.json").write_text(json.dumps({
             "fmax": {"clk": {"achieved": 100.0 + int(steps[-1]) - 50 * whole}}, "utilization": {

@@ -1,4 +1,4 @@
-"""The tan-sigmoid's Verilog against golden model and exact function; ``ncdc bench tansig``."""
+"""The tan-sigmoid's Verilog, golden model and exact function compared; ``ncdc bench tansig``."""
 
 import json
 
@@ -114,9 +114,9 @@ def test_measure_sees_planted_errors():
     assert good.odd and good.zero and good.monotonic and good.saturated and good.max_ulp < 1
     k = int(np.searchsorted(n, 1 << 19))
 
-    def planted(place, difference):
+    def planted(index, difference):
         wrong = raw.copy()
-        wrong[place] += difference
+        wrong[index] += difference
         return measure(n, wrong, DESIGN)
 
     worse = planted(k, 4)
@@ -128,7 +128,7 @@ def test_measure_sees_planted_errors():
 
 
 @pytest.mark.parametrize("n, raw", [([2, 1], [1, 1]), ([1, 1], [1, 1]), ([1], [1, 1]), ([], [])])
-def test_measure_refuses(n, raw):
+def test_measure_rejects(n, raw):
     with pytest.raises(ValueError, match="ascending inputs"):
         measure(np.array(n), np.array(raw), DESIGN)
 

@@ -77,7 +77,7 @@ def test_each_goal_has_a_row_among_the_runs(runs):
 
 
 @pytest.mark.parametrize("list_of_runs,status", [("--quick", 0), ("--all", 1)])
-def test_a_goal_without_a_row_is_told_and_is_missed_by_the_long_lists(
+def test_a_goal_without_a_row_is_reported_and_is_missed_by_the_long_lists(
         monkeypatch, capsys, list_of_runs, status):
     monkeypatch.setattr(command, "measure", lambda runs, progress: [ROW])
     assert main(["bench", "throughput", list_of_runs]) == status

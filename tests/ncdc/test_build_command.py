@@ -1,4 +1,4 @@
-"""``ncdc build``: what it refuses, and its flow on a design that is quick to place."""
+"""``ncdc build``: what it rejects, and its flow on a design that is quick to place and route."""
 
 import json
 import re
@@ -34,7 +34,7 @@ from ncdc_spec.errors import InputError
 from ncdc_spec.frames import BGRX8
 
 
-def refused(capsys, *arguments):
+def rejected(capsys, *arguments):
     """The sentence with which the command ends."""
     assert cli.main(["build", *map(str, arguments)]) == 2
     lines = capsys.readouterr().err.strip().splitlines()
@@ -57,18 +57,18 @@ def net(tmp_path):
      "800x600 does"),
     ((1024, 768), [], "1024x768 has a pixel clock of 65.00 MHz, .* takes 50 MHz at most"),
 ])
-def test_what_does_not_fit_is_refused_in_a_sentence(size, options, said, tmp_path, capsys):
+def test_what_does_not_fit_is_rejected_in_a_sentence(size, options, said, tmp_path, capsys):
     path = tmp_path / "net.toml"
     barrel_descriptor(size, (64, 48)).save(path)
     output = tmp_path / "out"
-    assert re.search(said, refused(capsys, path, *options, "-o", output))
+    assert re.search(said, rejected(capsys, path, *options, "-o", output))
     assert not output.exists()
 
 
-def test_lenses_of_other_sizes_are_refused(net, tmp_path, capsys):
+def test_lenses_of_other_sizes_are_rejected(net, tmp_path, capsys):
     other = tmp_path / "other.toml"
     barrel_descriptor((64, 40), (64, 48)).save(other)
-    assert "corrected picture has 64x40" in refused(capsys, net, other)
+    assert "corrected picture has 64x40" in rejected(capsys, net, other)
 
 
 def test_a_missed_clock_is_named():
@@ -80,7 +80,7 @@ def test_a_missed_clock_is_named():
 
 
 @pytest.mark.longer
-def test_what_memory_cannot_carry_is_refused():
+def test_what_memory_cannot_carry_is_rejected():
     """A screen whose lines come late while others wait; a camera so fast that it leaves nothing for
     corrected frames."""
     large = barrel_descriptor((800, 600), (800, 600), hidden_neurons=2)
@@ -131,7 +131,7 @@ def test_clocks_are_within_the_data_sheets_limits(mode):
 
 
 class Blinker(Elaboratable):
-    """A counter on a light, on a clock behind a gate."""
+    """A counter on an LED, on a clock after a gate."""
 
     def elaborate(self, platform):
         m = Module()
@@ -149,7 +149,7 @@ class Blinker(Elaboratable):
 
 @pytest.mark.longer
 def test_the_flow_on_a_small_design(tmp_path):
-    """Synthesis, placement, bitstream; the clock is known by our name, with its target."""
+    """Synthesis, place and route, bitstream; the clock is known by our name, with its target."""
     plan = Ulx3sPlatform().prepare(Blinker(), "blinker")
     files = {name: text if isinstance(text, str) else text.decode()
              for name, text in plan.files.items()}

@@ -96,8 +96,8 @@ def test_nothing_but_our_sentences_on_stderr(tmp_path):
     assert "it shows 20 markers of the family 4X4_1000 but no ChArUco board" in lines[0]
 
 
-def test_another_target_is_refused_and_the_earlier_file_stays(folder):
-    out = folder / "kept.json"
+def test_another_target_is_rejected_and_the_earlier_file_stays(folder):
+    out = folder / "earlier.json"
     out.write_text("earlier")
     with pytest.raises(InputError, match=r"it shows \d+ circles or dots, \d+ columns by \d+ rows, "
                                          r"not a grid of 4x11"):
@@ -106,7 +106,7 @@ def test_another_target_is_refused_and_the_earlier_file_stays(folder):
 
 
 @pytest.mark.longer
-def test_dropped_points_are_listed_with_place_and_reason(folder, capsys):
+def test_dropped_points_are_listed_with_position_and_reason(folder, capsys):
     page = target_photo(example_camera())
     spot = read_image(folder / "page.png")[236:262, 300:340].min(axis=0).argmin() + 300
     page[230:262, spot - 3:spot + 3] = np.minimum(page[230:262, spot - 3:spot + 3], 40)
@@ -114,8 +114,8 @@ def test_dropped_points_are_listed_with_place_and_reason(folder, capsys):
     command(folder / "marked.png", "-o", folder / "dropped.json", "--json", "-")
     captured = capsys.readouterr()
     report = json.loads(captured.out)
-    places = report["points_dropped"]
-    assert all(set(point) == {"photo", "x", "y", "reason"} for point in places)
+    dropped = report["points_dropped"]
+    assert all(set(point) == {"photo", "x", "y", "reason"} for point in dropped)
     assert report["target_chosen"] == "dots, which 1 of 1 photos show"
     assert 0 < report["agreement_px"]["marked.png"] < 0.1
     assert "calibrate: " in captured.err and "smooth lens" in captured.err

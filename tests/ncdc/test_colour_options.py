@@ -90,7 +90,7 @@ def test_crests_are_those_of_the_directional_interpolation(folder, tmp_path, cap
                                       correct(directional, raw, crest=strength).picture)
 
 
-def test_a_gain_at_its_limit_is_told(folder, tmp_path, capsys):
+def test_a_gain_at_its_limit_is_reported(folder, tmp_path, capsys):
     """A frame without blue: no gain makes it grey."""
     raw = read_image(folder / "raw.png").copy()
     raw[1::2, 1::2] = 0
@@ -109,12 +109,12 @@ def test_a_gain_at_its_limit_is_told(folder, tmp_path, capsys):
     (["--white-balance", ""], "the white balance is '', three gains R,G,B or grey-world is needed"),
     (["--tone", "gamma:9"], "the gamma of the tone is 9, the limits are 1 and 3"),
     (["--tone", "film"], "the tone is 'film', one of linear, sRGB, gamma:G is needed")])
-def test_careless_options_are_refused(folder, tmp_path, command, options, sentence, capsys):
+def test_careless_options_are_rejected(folder, tmp_path, command, options, sentence, capsys):
     output = tmp_path / "out.png"
-    output.write_text("kept")
+    output.write_text("earlier")
     assert run(folder, command, output, *options) == 2
     assert capsys.readouterr().err == f"ncdc {command}: {sentence}\n"
-    assert output.read_text() == "kept"
+    assert output.read_text() == "earlier"
 
 
 @pytest.mark.longer

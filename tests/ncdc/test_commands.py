@@ -47,19 +47,19 @@ def run(command):
         return end.code
 
 
-def spoil(folder, pattern, replacement):
+def damage(folder, pattern, replacement):
     text = (folder / "net.toml").read_text()
     changed = re.sub(pattern, replacement, text, count=1, flags=re.DOTALL)
     assert changed != text
     (folder / "net.toml").write_text(changed)
 
 
-def check_refused(folder, command, message, capsys):
+def check_rejected(folder, command, message, capsys):
     before = contents(folder)
     assert run(command) == 2
     out, err = capsys.readouterr()
     assert re.search(message, err), err
-    # Progress is shown up to the photo that is refused.
+    # Progress is shown up to the photo that is rejected.
     said = re.sub(r"^\w+: +\d+ %.*\n", "", err, flags=re.MULTILINE)
     assert said.count("\n") == 1 and "Traceback" not in err and not out, err
     assert contents(folder) == before
@@ -115,13 +115,13 @@ def use(command, net="net.toml", image="raw.png", out="out.png"):
     (r"\"RGGB\"", "\"RGBG\"", r"bayer is 'RGBG', one of RGGB, GRBG, GBRG, BGGR, MONO is needed"),
 ])
 def test_bad_descriptor(folder, command, pattern, replacement, message, capsys):
-    spoil(folder, pattern, replacement)
-    check_refused(folder, use(command), message, capsys)
+    damage(folder, pattern, replacement)
+    check_rejected(folder, use(command), message, capsys)
 
 
 @pytest.mark.parametrize("command", USES)
 def test_missing_descriptor(folder, command, capsys):
-    check_refused(folder, use(command, net="none.toml"),
+    check_rejected(folder, use(command, net="none.toml"),
                   f"ncdc {command}: cannot read none.toml: No such file", capsys)
 
 
@@ -132,7 +132,7 @@ def test_missing_descriptor(folder, command, capsys):
     ("small.png", "the picture has 47x40 pixels, the descriptor is for 48x40"),
 ])
 def test_bad_image(folder, command, image, message, capsys):
-    check_refused(folder, use(command, image=image), message, capsys)
+    check_rejected(folder, use(command, image=image), message, capsys)
 
 
 @pytest.mark.parametrize("image,message", [
@@ -140,7 +140,7 @@ def test_bad_image(folder, command, image, message, capsys):
     ("blank.png", "blank.png")])
 @pytest.mark.parametrize("target", ["dots", "chessboard:9x6", "circles:5x4", "auto"])
 def test_calibrate_without_a_target(folder, image, message, target, capsys):
-    check_refused(folder, f"calibrate {image} --target {target} -o points.json", message, capsys)
+    check_rejected(folder, f"calibrate {image} --target {target} -o points.json", message, capsys)
 
 
 @pytest.mark.parametrize("command", [
@@ -154,13 +154,14 @@ def test_calibrate_without_a_target(folder, image, message, target, capsys):
     "simulate net.toml raw.png -o o.png --simulator x",
     "demo --neurons 0 -o out", "demo --neurons 99 -o out", "nonsense", ""])
 def test_bad_usage(folder, command, capsys):
-    check_refused(folder, command, "ncdc", capsys)
+    check_rejected(folder, command, "ncdc", capsys)
 
 
 @pytest.mark.parametrize("command", cases([*USES], longer=["generate"]))
 def test_unwritable_output(folder, command, capsys):
     # Not even root can make files below /proc.
-    check_refused(folder, use(command, out="/proc/none/out.png"), "cannot write /proc/none", capsys)
+    check_rejected(folder, use(command, out="/proc/none/out.png"), "cannot write /proc/none",
+                   capsys)
 
 
 @pytest.mark.parametrize("command,message", [
@@ -175,20 +176,20 @@ def test_unwritable_output(folder, command, capsys):
     ("evaluate net.toml --reference raw.png --json /proc/none/e.json", "cannot write /proc/none"),
     ("demo -o /proc/none", "cannot write /proc/none")])
 def test_outputs_are_checked_before_any_work(folder, command, message, capsys):
-    check_refused(folder, command, message, capsys)
+    check_rejected(folder, command, message, capsys)
 
 
 @pytest.mark.parametrize("target", ["dots", "chessboard:9x6", "circles:5x4", "auto"])
 def test_a_tiny_photo(folder, target, capsys):
     write_image(folder / "tiny.png", np.zeros((1, 1), np.uint8))
-    check_refused(folder, f"calibrate tiny.png --target {target} -o p.json",
+    check_rejected(folder, f"calibrate tiny.png --target {target} -o p.json",
                   "it is 1x1, 8 pixels on a side are the limit", capsys)
 
 
 def test_a_failed_run_leaves_the_old_output(folder, capsys):
     assert run(use("correct")) == 0
     capsys.readouterr()
-    check_refused(folder, use("correct", image="small.png"), "47x40", capsys)
+    check_rejected(folder, use("correct", image="small.png"), "47x40", capsys)
 
 
 def test_correct_is_the_golden_model(folder, capsys):
@@ -269,8 +270,8 @@ def test_cache_options_reach_the_verilog(folder, capsys):
 @pytest.mark.parametrize("options,message", [
     ("--cache-bytes 3000", "size is 3000 bytes, a power of two from 1024 to 262144 is needed"),
     ("--cache-bytes 1024 --cache-split 3", "split is 3, the limits are 0 and 2")])
-def test_refuses_a_cache_that_there_is_not(folder, options, message, capsys):
-    check_refused(folder, f"generate net.toml -o hw {options}", message, capsys)
+def test_rejects_a_cache_that_there_is_not(folder, options, message, capsys):
+    check_rejected(folder, f"generate net.toml -o hw {options}", message, capsys)
 
 
 @pytest.mark.longer
@@ -281,8 +282,8 @@ def test_simulate_multiport(folder, capsys):
     assert (report["pixels_different"], report["fetch"]) == (0, "multiport")
 
 
-def test_refuses_to_share_among_too_many(folder, capsys):
-    check_refused(folder, "generate net.toml -o hw --share 9", "the limit is the number of hidden",
+def test_rejects_sharing_among_too_many(folder, capsys):
+    check_rejected(folder, "generate net.toml -o hw --share 9", "the limit is the number of hidden",
                   capsys)
 
 
@@ -332,14 +333,14 @@ def test_a_command_imports_what_it_needs_alone():
                                    "train", "True"]
 
 
-def test_a_command_that_there_is_not_is_told_all_there_are(capsys):
+def test_a_command_that_does_not_exist_is_answered_with_all_that_do(capsys):
     assert run("corect net.toml raw.png") == 2
     error = capsys.readouterr().err
     assert all(command in error for command in ("corect", *cli.COMMANDS))
 
 
 def test_written_files_replace_whole(folder):
-    """No temporary file is left beside the output."""
+    """No temporary file is left next to the output."""
     assert run("correct net.toml raw.png -o out.png") == 0
     assert not list(folder.glob(".ncdc-*"))
     assert cv2.imread("out.png") is not None
@@ -354,8 +355,8 @@ def test_long_help_has_groups(command, groups, capsys):
     with pytest.raises(SystemExit):
         cli.main([command, "--help"])
     out = capsys.readouterr().out
-    places = [out.index(f"\n{group}:\n") for group in groups]
-    assert places == sorted(places)
+    offsets = [out.index(f"\n{group}:\n") for group in groups]
+    assert offsets == sorted(offsets)
     general = re.search(r"\noptions:\n(.*?)\n\n", out, re.DOTALL)[1]
     named = set(re.findall(r"^  (?:-\w[ \w]*, )?(--[\w-]+)", general, re.MULTILINE))
     assert named <= {"--help", "--output", "--json"}

@@ -25,7 +25,7 @@ def scripts(tmp_path_factory):
 
 def asked(shell, scripts, line):
     """What ``shell`` offers for the last word of ``line``."""
-    # NCDC does not need the other shells, so its set-up does not install them.
+    # NCDC does not need the other shells, so its installation does not install them.
     if shell != "bash" and shutil.which(shell) is None:
         pytest.skip(f"{shell} is not installed")
     words = line.split(" ")

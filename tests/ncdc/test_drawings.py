@@ -1,4 +1,4 @@
-"""Drawings of the documentation: every text in its place."""
+"""Drawings of the documentation: every text in its box."""
 
 import pytest
 

@@ -112,7 +112,7 @@ def test_points_line_by_line(tmp_path, points):
     (["absent.toml", "-o", "maps.npz"], "cannot read absent.toml"),
     (["points.json", "-o", "points.json"], "would replace the input"),
 ])
-def test_bad_exports_are_refused(tmp_path, net, points, monkeypatch, capsys, arguments, message):
+def test_bad_exports_are_rejected(tmp_path, net, points, monkeypatch, capsys, arguments, message):
     monkeypatch.chdir(tmp_path)
     before = sorted(tmp_path.iterdir())
     assert main(["export", *arguments]) == 2

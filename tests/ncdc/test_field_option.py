@@ -57,10 +57,11 @@ def test_a_bad_field_is_one_sentence(net, command, tmp_path, capsys):
     if name == "build":
         options += ["-o", str(tmp_path / "project")]
     assert main([name, net, *options, "--field", "1000x1000"]) == 2
-    told = capsys.readouterr()
-    assert told.err == (f"ncdc {name}: the field is 1000x1000, raw frames of 640x480 show 640x480, "
-                        f"1280x960, 1920x1440, 2560x1920 of the mt9p031's 2592x1944 pixels\n")
-    assert not told.out and not (tmp_path / "project").exists() and not output.exists()
+    printed = capsys.readouterr()
+    assert printed.err == (f"ncdc {name}: the field is 1000x1000, raw frames of 640x480 show "
+                           f"640x480, 1280x960, 1920x1440, 2560x1920 "
+                           f"of the mt9p031's 2592x1944 pixels\n")
+    assert not printed.out and not (tmp_path / "project").exists() and not output.exists()
 
 
 def test_a_field_without_a_sensor(net, capsys):

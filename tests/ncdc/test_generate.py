@@ -53,7 +53,7 @@ def compile_with(simulator, verilog, folder, *options):
 
 @pytest.mark.longer
 def test_processes_write_identical_bytes(folder):
-    """Another process, that hashes otherwise, against this one, or the one whose files are kept."""
+    """A process that hashes otherwise equals this one, or the one whose files are cached."""
     generate(folder, folder / "1")
     run = "3" if os.environ.get("PYTHONHASHSEED") == "2" else "2"
     subprocess.run(
@@ -154,8 +154,8 @@ def test_a_system_is_written_with_the_driver_of_its_camera(folder, capsys):
     verilog = (output / "ncdc_system.v").read_text()
     assert "--system" in verilog and "--data-width 64" in verilog
     assert re.search(r"NCDC_RAW0_BASE 0x11100u", (output / "ncdc_registers.h").read_text())
-    refused = ["generate", net, "-o", str(folder / "none"), "--system", "--board", "faka2"]
-    assert main(refused) == 2
+    rejected = ["generate", net, "-o", str(folder / "none"), "--system", "--board", "faka2"]
+    assert main(rejected) == 2
     assert "--system" in capsys.readouterr().err
     assert not (folder / "none").exists()
 

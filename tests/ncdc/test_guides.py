@@ -69,7 +69,7 @@ BOARD_FILES = {"start/board": {"ncdc_ulx3s.bit", "ncdc_ulx3s.v", "ncdc_registers
 
 @pytest.fixture
 def without_synthesis(monkeypatch):
-    """Without synthesis and placement, of which tests of their own run small ones."""
+    """Without synthesis and place and route, of which tests of their own run small ones."""
     monkeypatch.setattr(build, "synthesise_board", lambda *design: {})
     monkeypatch.setattr(build, "clock_nets", lambda netlist, cells: {})
     monkeypatch.setattr(build, "clock_preferences", lambda nets, targets: "")

@@ -49,7 +49,7 @@ def test_the_planner_counts_its_tiles(folder, capsys):
 
 @pytest.mark.parametrize("command,image,out", [("generate", [], "hw"),
                                                ("simulate", ["zeros.png"], "out.png")])
-def test_multiport_refuses_it_in_one_sentence(folder, command, image, out, capsys):
+def test_multiport_rejects_it_in_one_sentence(folder, command, image, out, capsys):
     write_image(folder / "zeros.png", np.zeros((48, 64), np.uint8))
     assert main([command, str(folder / "net.toml"), *(str(folder / name) for name in image), "-o",
                  str(folder / out), "--fetch", "multiport"]) == 2

@@ -1,4 +1,4 @@
-"""``ncdc simulate --sensor``: what it refuses, and a run whose animation is looked at."""
+"""``ncdc simulate --sensor``: what it rejects, and a run whose animation is looked at."""
 
 import json
 
@@ -40,7 +40,7 @@ def simulate(folder, *options, image="photo.png", output="moving.png"):
     (("--line-clocks", "90"), "--line-clocks is given with --sensor mt9p031"),
     (("--sensor", "mt9"), "the sensor is 'mt9', known are mt9p031, mt9d111, ov5640"),
 ])
-def test_what_is_refused(folder, capsys, options, sentence):
+def test_what_is_rejected(folder, capsys, options, sentence):
     assert simulate(folder, *options) == 2
     assert sentence in capsys.readouterr().err
     assert not (folder / "moving.png").exists()

@@ -1,4 +1,4 @@
-"""Each output of each command, given a place where no file can be put."""
+"""Each output of each command, given a path where no file can be put."""
 
 import os
 import stat

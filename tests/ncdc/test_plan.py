@@ -1,4 +1,4 @@
-"""The planner: what it chooses, what it refuses, and the traffic that it reports."""
+"""The planner: what it chooses, what it rejects, and the traffic that it reports."""
 
 import json
 from dataclasses import replace
@@ -31,7 +31,7 @@ def waiting():
 
 @pytest.fixture(scope="module")
 def upright(barrel):
-    """A map whose rows run along the columns of the raw frame, and nearly nowhere else."""
+    """A map whose rows run along the columns of the raw frame, and hardly elsewhere."""
     quarter = np.array([[0, 1], [-1, 0]])
     return replace(barrel, hidden_weights=barrel.hidden_weights @ quarter)
 
@@ -104,7 +104,7 @@ def test_fixed_choices_stay(barrel):
 
 
 def test_a_rate_takes_a_larger_cache(barrel):
-    """What a small cache does not reach, a larger one is chosen for, or it is refused."""
+    """What a small cache does not reach, a larger one is chosen for, or it is rejected."""
     small = made(barrel, "fixed:40:2", output="stream", fixed=(1024, None, None))
     assert small.clocks_per_pixel > 1.5
     rate = 1.2 * small.frames_per_second
@@ -128,7 +128,7 @@ def test_a_rate_takes_a_larger_cache(barrel):
     (dict(memory="tape"), "memory is 'tape'"),
     (dict(format="Mono8"), "the format is Mono8, which needs a grey sensor"),
 ])
-def test_what_cannot_be_is_refused(barrel, options, message):
+def test_what_cannot_be_is_rejected(barrel, options, message):
     with pytest.raises(InputError, match=message):
         made(barrel, **options)
 

@@ -29,7 +29,7 @@ def planned(path, *options):
 
 @pytest.mark.longer
 def test_the_peak_grows_by_so_much_per_pixel(tmp_path):
-    """Of the whole frame's arrays those of 16 bits are kept, and none of 64."""
+    """The whole frame's arrays of 16 bits stay in memory, and none of 64."""
     peaks = []
     for k, size in enumerate(((160, 120), (1600, 1200))):
         path = tmp_path / f"{k}.toml"

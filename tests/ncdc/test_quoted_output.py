@@ -30,15 +30,15 @@ def quoted(page):
 
 def missing(quoted_lines, printed):
     """Quoted lines that do not follow one another in ``printed``; "..." stands for any lines."""
-    place, jump = 0, True
+    position, jump = 0, True
     for line in quoted_lines:
         if line.strip() == "...":
             jump = True
             continue
-        rest = printed[place:] if jump else printed[place:place + 1]
+        rest = printed[position:] if jump else printed[position:position + 1]
         if line not in rest:
             return [line]
-        place, jump = place + rest.index(line) + 1, False
+        position, jump = position + rest.index(line) + 1, False
     return []
 
 

@@ -34,7 +34,7 @@ def two_meanings(found):
 
 
 def test_an_option_has_the_same_value_in_every_command():
-    """Of the output, its kind differs; of `bench`, options are its benches' own."""
+    """The output's kind may differ; the options of `bench` are its benches' own."""
     found = {(command, name, value_of(action)) for command in COMMANDS if command != "bench"
              for name, action in options(command) if name not in ("-o", "--output")}
     assert len(found) > 100 and two_meanings(found) == {}

@@ -1,4 +1,4 @@
-"""A file in another's place: the sentence names it, and what to type."""
+"""A file of another kind: the sentence names it, and what to type."""
 
 import pytest
 
@@ -61,7 +61,7 @@ CALIBRATE = (r"ncdc calibrate {} -o points.json, then ncdc train points.json --n
      "photo.png is a picture, points, a camera file or a"),
     ("export photo.png -o out.csv", "photo.png is a picture, a descriptor or points are needed"),
     ("calibrate photo.png net.toml -o out.json", "net.toml is a descriptor of ncdc train, a pict")])
-def test_a_file_in_another_s_place(files, monkeypatch, capsys, command, said):
+def test_a_file_of_another_kind(files, monkeypatch, capsys, command, said):
     monkeypatch.chdir(files)
     before = sorted(files.iterdir())
     assert main(command.split()) == 2
@@ -70,7 +70,7 @@ def test_a_file_in_another_s_place(files, monkeypatch, capsys, command, said):
     assert sorted(files.iterdir()) == before
 
 
-def test_a_file_in_its_own_place_is_none_of_this(files, monkeypatch, capsys):
+def test_a_file_of_the_right_kind_is_none_of_this(files, monkeypatch, capsys):
     monkeypatch.chdir(files)
     assert main("correct net.toml photo.png -o out.png".split()) == 0
     (files / "out.png").unlink()

@@ -39,7 +39,7 @@ def samples(bits):
 
 
 @pytest.mark.parametrize("bits", [8, 10, 12, 14, 16])
-def test_bits_are_guessed_and_told(corrected, bits):
+def test_bits_are_guessed_and_reported(corrected, bits):
     raw = samples(bits)
     cv2.imwrite("raw.png", raw)
     status, said = corrected("raw.png", expected=(raw >> (bits - 8)).astype(np.uint8))
@@ -124,19 +124,19 @@ def test_an_array(corrected, tmp_path):
     ("4x240:RGGB:12", "a side of the raw frame is 4, the limits are 8 and 4096"),
     ("320x240:RGGB:7", "samples of 7 bits are asked for, the limits are 8 and 16"),
 ])
-def test_a_dump_that_does_not_fit_is_refused(corrected, tmp_path, option, sentence):
+def test_a_dump_that_does_not_fit_is_rejected(corrected, tmp_path, option, sentence):
     (tmp_path / "frame.raw").write_bytes(samples(12).tobytes())
     status, said = corrected("frame.raw", "--raw", option)
     assert status == 2 and sentence in said and said.count("\n") == 1
 
 
-def test_both_options_are_refused(corrected, tmp_path):
+def test_both_options_are_rejected(corrected, tmp_path):
     (tmp_path / "frame.raw").write_bytes(samples(12).tobytes())
     assert "--raw says the bits itself" in corrected("frame.raw", "--raw", "320x240:RGGB:12",
                                                      "--bits", "12")[1]
 
 
-def test_what_a_picture_is_taken_for_is_told(corrected):
+def test_what_a_picture_is_taken_for_is_reported(corrected):
     grey = (samples(16) >> 8).astype(np.uint8)
     cv2.imwrite("grey.png", grey)
     assert "grey.png has one channel: taken as the raw RGGB frame" in corrected("grey.png")[1]

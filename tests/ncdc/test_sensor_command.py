@@ -52,5 +52,5 @@ int main(void) {{
 ])
 def test_bad_input(arguments, sentence, capsys):
     assert main(["sensor", "show", *arguments]) == 2
-    told = capsys.readouterr()
-    assert sentence in told.err and told.err.count("\n") == 1 and not told.out
+    output = capsys.readouterr()
+    assert sentence in output.err and output.err.count("\n") == 1 and not output.out

@@ -56,7 +56,7 @@ sys.exit(soc._run(args, descriptor))
 @pytest.mark.parametrize("number", [
     pytest.param(signal.SIGTERM, marks=pytest.mark.longer), signal.SIGKILL],
     ids=["SIGTERM", "SIGKILL"])
-def test_nothing_is_left_behind(tmp_path, number):
+def test_nothing_is_left_over(tmp_path, number):
     """Neither the simulation nor its network; after SIGKILL the network ends at least."""
     network()
     lens = barrel_descriptor()

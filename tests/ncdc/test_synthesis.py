@@ -43,7 +43,7 @@ class Square(wiring.Component):
 
 
 def netlist(width=36):
-    """Two used bits of a RAM, a flip-flop behind each, an output port."""
+    """Two used bits of a RAM, a flip-flop after each, an output port."""
     def flip_flop(data, q):
         return {"type": "TRELLIS_FF",
                 "parameters": {"CEMUX": "1 ", "CLKMUX": "CLK", "LSRMUX": "LSR", "REGSET": "RESET"},
@@ -151,7 +151,7 @@ def test_figures():
     assert row["block_rams"] >= 1 and row["m10k"] >= 1
     assert row["multipliers_18x18"] == 1 and row["dsp"] == 1
     assert row["alm"] == max(-(-row["alut"] // 2), -(-row["alm_ff"] // 4))
-    # Input register, i, product; the 18 bits behind the RAM are part of it, i a clock later of the
+    # Input register, i, product; the 18 bits after the RAM are part of it, i a clock later of the
     # multiplier.
     assert row["ff"] == 10 + 10 + 28
     assert len(row["fmax_seeds_mhz"]) == 2 and min(row["fmax_seeds_mhz"]) > 20
@@ -181,7 +181,7 @@ def test_a_memory_that_would_not_fill_its_block_rams_is_of_mlabs():
 
 class Halves(wiring.Component):
     """A memory, its second half at first as the first; both may be written."""
-    place: In(9)
+    index: In(9)
     i: In(20)
     write: In(1)
     o: Out(20)
@@ -191,7 +191,7 @@ class Halves(wiring.Component):
         half = [k * k & 0xFFFFF for k in range(100)] + 156 * [7]
         m.submodules.words = words = Memory(shape=20, depth=512, init=half + half)
         read, write = words.read_port(), words.write_port()
-        m.d.comb += [read.addr.eq(self.place), self.o.eq(read.data), write.addr.eq(self.place),
+        m.d.comb += [read.addr.eq(self.index), self.o.eq(read.data), write.addr.eq(self.index),
                      write.data.eq(self.i), write.en.eq(self.write)]
         return m
 
@@ -201,7 +201,7 @@ def test_a_memory_whose_halves_are_alike_is_block_ram():
     assert (row["m10k"], row["alm_ff"]) == (1, 0)
 
 
-def test_logic_elements_hold_a_lut_and_the_flip_flop_behind_it():
+def test_logic_elements_hold_a_lut_and_the_flip_flop_after_it():
     """Eight exclusive-ors with a flip-flop each, four flip-flops alone, two exclusive-ors alone."""
     row = cyclone_iv("""
 module top(input clk, input [7:0] a, input [7:0] b, output reg [7:0] q, output reg [3:0] alone,

@@ -37,7 +37,7 @@ def boxes(polygons):
 
 
 def ruler(found):
-    """Of the boxes those of the ruler: its line, 0.2 mm high, and the ticks on it."""
+    """Boxes of the ruler: its line, 0.2 mm high, and the ticks on it."""
     [line] = found[(found[:, 3] < .3) & (found[:, 2] > 50)]
     return line, found[np.abs(found[:, 1] + found[:, 3] - line[1]) < 1e-3]
 

@@ -17,7 +17,7 @@ class Stream(io.StringIO):
 
 @pytest.fixture
 def log(monkeypatch):
-    """Function that puts a log in place of stderr: pytest has its own there until a test runs."""
+    """Function that replaces stderr with a log: pytest has its own there until a test runs."""
     def begin():
         monkeypatch.setattr(sys, "stderr", Stream(False))
         return sys.stderr
@@ -69,7 +69,7 @@ def test_a_line_that_another_stream_has_left_open_is_not_ended_here(log):
     assert text.getvalue() == "here\n" and terminal._open is None
 
 
-def test_a_terminal_s_line_is_kept_up_to_date(monkeypatch):
+def test_a_terminal_s_line_is_updated(monkeypatch):
     monkeypatch.setattr(sys, "stderr", Stream(True))
     progress = Progress("training")
     steps(progress, 0, 1, 1.5)

@@ -130,7 +130,7 @@ def test_points_descriptor_agrees_with_the_true_camera_up_to_the_view(folder, ca
 
 
 @pytest.mark.longer
-def test_camera_descriptor_against_its_camera_repeats_the_training_report(folder, capsys):
+def test_camera_descriptor_compared_with_its_camera_repeats_the_training_report(folder, capsys):
     report = report_of(evaluate, folder / "camera-net.toml", "--reference", folder / "camera.toml",
                        capsys=capsys)
     trained = json.loads((folder / "camera-report.json").read_text())
@@ -203,9 +203,9 @@ def test_beyond_its_points_the_network_follows_the_smooth_lens(tmp_path, capsys,
                        capsys=capsys)
     assert report["extrapolated_percent"] > 25 and report["valid_percent"] > 80
     assert report["training"]["points"] + report["held_out"]["points"] == middle.sum()
-    against = report_of(evaluate, tmp_path / "net.toml", "--reference", tmp_path / "camera.toml",
-                        capsys=capsys)
-    assert against["map_error_float_px"]["max"] < 3
+    compared = report_of(evaluate, tmp_path / "net.toml", "--reference", tmp_path / "camera.toml",
+                         capsys=capsys)
+    assert compared["map_error_float_px"]["max"] < 3
 
 
 @pytest.mark.longer
@@ -233,7 +233,7 @@ def test_bad_options_are_named(folder, tmp_path, options, message):
 
 
 @pytest.mark.longer
-def test_a_camera_of_another_size_is_refused(folder, tmp_path):
+def test_a_camera_of_another_size_is_rejected(folder, tmp_path):
     camera = lens().to_dict() | {"width": 640}
     Camera.from_dict(camera).save(tmp_path / "other.toml")
     with pytest.raises(InputError, match="camera is for 640x240 pixels, the sensor has 320x240"):

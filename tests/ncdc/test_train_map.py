@@ -63,13 +63,13 @@ def test_a_camera_of_a_stereo_pair_as_tiff_files(tmp_path, few_starts, capsys):
     assert all(cv2.imwrite(str(path), table) for path, table in zip(paths, (x, y)))
     call(train, *paths, "--sensor-size", "192x144", "--neurons", 5, "-o", out, "--json",
          tmp_path / "r.json")
-    told = capsys.readouterr()
-    assert "warning: " in told.err and "beyond a sensor of 192x144" in told.err
+    output = capsys.readouterr()
+    assert "warning: " in output.err and "beyond a sensor of 192x144" in output.err
     report, net = json.loads((tmp_path / "r.json").read_text()), Descriptor.load(out)
     valid = net.valid.mask(SIZE[0])
     v, u = np.nonzero(valid)
     a, b = fixed_map(net)(u, v)
-    # Against OpenCV's own tables, and on no pixel without a source in the sensor.
+    # Compared with OpenCV's own tables, and on no pixel without a source in the sensor.
     error = np.hypot(a - x[valid], b - y[valid])
     assert error.max() == pytest.approx(report["frame"]["map_error_fixed_px"]["max"], abs=1e-3)
     assert error.max() < 3 and .5 < valid.mean() < .8

@@ -33,8 +33,8 @@ def forgotten(patterns):
     """Files in a package that are no Python and that no pattern of package-data names."""
     lost = []
     for name, folder in packages().items():
-        kept = {path for pattern in patterns.get(name, ()) for path in folder.glob(pattern)}
-        lost += [path for path in folder.rglob("*") if path.is_file() and path not in kept
+        shipped = {path for pattern in patterns.get(name, ()) for path in folder.glob(pattern)}
+        lost += [path for path in folder.rglob("*") if path.is_file() and path not in shipped
                  and path.suffix not in (".py", ".pyc")]
     return lost
 
@@ -50,7 +50,7 @@ def test_a_forgotten_file_is_found():
 
 
 def test_one_version():
-    """Of the package, the newest changes and the citation."""
+    """The package, the newest changes and the citation name the same version."""
     version = _TEXT["project"]["version"]
     newest = re.search(r"^## (\S+)$", (ROOT / "CHANGELOG.md").read_text(), re.MULTILINE)[1]
     cited = re.search(r"^version: (\S+)$", (ROOT / "CITATION.cff").read_text(), re.MULTILINE)[1]
@@ -157,7 +157,7 @@ def test_an_environment_with_the_client_alone(made, tmp_path):
 
 @pytest.mark.regress
 def test_the_description_has_no_link_into_the_repository(made):
-    """An index shows the README alone: a relative link would lead nowhere."""
+    """An index shows the README alone: a relative link would be broken."""
     with zipfile.ZipFile(made[1]) as content:
         [name] = [name for name in content.namelist() if name.endswith(".dist-info/METADATA")]
         text = content.read(name).decode()

@@ -1,4 +1,4 @@
-"""What is written beside Verilog with AXI ports: IP-XACT, device tree, and what tools say."""
+"""What is written with Verilog with AXI ports: IP-XACT, device tree, and what tools say."""
 
 import importlib
 import re
@@ -48,7 +48,7 @@ def generated(request, net, tmp_path_factory):
 
 @pytest.mark.longer
 def test_ipxact_keeps_to_the_schema(generated, schema):
-    """IEEE 1685-2009's own; a planted element is refused."""
+    """IEEE 1685-2009's own; a planted element is rejected."""
     _, folder = generated
     tree = etree.parse(str(folder / "component.xml"))
     assert schema.validate(tree), schema.error_log
@@ -62,13 +62,13 @@ def test_ipxact_has_each_port_of_the_verilog(generated):
     name, folder = generated
     root = etree.parse(str(folder / "component.xml")).getroot()
     ports = {port.name: port for port in ports_of_text((folder / f"{name}.v").read_text(), name)}
-    told = {}
+    listed = {}
     for port in root.iter(f"{SPIRIT}port"):
         left = port.findtext(f".//{SPIRIT}left")
-        told[port.findtext(f"{SPIRIT}name")] = (port.findtext(f".//{SPIRIT}direction"),
-                                                int(left or 0) + 1)
-    assert told == {port.name: (port.direction.removesuffix("put"), port.width)
-                    for port in ports.values()}
+        listed[port.findtext(f"{SPIRIT}name")] = (port.findtext(f".//{SPIRIT}direction"),
+                                                  int(left or 0) + 1)
+    assert listed == {port.name: (port.direction.removesuffix("put"), port.width)
+                      for port in ports.values()}
     mapped = [each.findtext(f"{SPIRIT}name") for each in root.iter(f"{SPIRIT}physicalPort")]
     assert len(mapped) == len(set(mapped))
     buses = {"aclk", "aresetn", "irq"} | {port for port in ports
@@ -82,7 +82,7 @@ def test_ipxact_has_each_port_of_the_verilog(generated):
 
 @pytest.mark.longer
 def test_verilog_is_clean(generated):
-    """Verilator's lint with the waivers that lie beside it."""
+    """Verilator's lint with the waivers that are written with it."""
     name, folder = generated
     done = subprocess.run([tool("verilator"), "--lint-only", "-Wall", "--top-module", name,
                            f"{name}.vlt", f"{name}.v"], cwd=folder, env=environment(), text=True,
@@ -146,7 +146,7 @@ class Registers:
 
 @pytest.mark.longer
 def test_the_example_for_linux_runs(net, tmp_path, monkeypatch):
-    """The page's own lines: raw frame into memory, places into registers, a start, picture out."""
+    """The page's own lines: raw frame into memory, addresses into registers, start, picture out."""
     folder = tmp_path / "hardware"
     assert main(["generate", net, "-o", str(folder), "--bus", "axi"]) == 0
     monkeypatch.syspath_prepend(str(folder))

@@ -52,7 +52,7 @@ PROOFS = {"reads": Reads, "writes": Writes, "accesses": Accesses}
 COVERS = {"reads": (Reads, 14, {"crosses", "full", "forgotten"}),
           "writes": (Writes, 16, {"crosses", "full", "words_first", "forgotten",
                                   "first_part_failed"}),
-          "accesses": (Accesses, 16, {"asked_again", "refused", "both"})}
+          "accesses": (Accesses, 16, {"asked_again", "rejected", "both"})}
 
 
 def planted(design, *registers):
@@ -71,7 +71,8 @@ PLANTED = {
     "a reset forgets the burst": (lambda: planted(Writes(), "piece"), 10, "as_many_as_named"),
     "too many bursts": (lambda: Writes(OneTooMany), 16, "addresses_are_known"),
     "an answer too many": (lambda: Writes(AnswersEach), 12, "no_answer_lost"),
-    "a failure that is forgotten": (lambda: planted(Writes(), "spoiled"), 14, "failure_is_told"),
+    "a failure that is forgotten": (lambda: planted(Writes(), "spoiled"), 14,
+                                    "failure_is_reported"),
     "a word that the agent forgot": (lambda: Accesses(NotAgain), 12, "owed"),
 }
 

@@ -199,7 +199,7 @@ def test_products_in_parts(hidden, share):
         np.testing.assert_array_equal(frame, expected(case))
 
 
-def test_refuses_a_short_queue():
+def test_rejects_a_short_queue():
     formats = barrel_descriptor().formats
     under_way = BackMap(4, formats).under_way
     limit = under_way + 16
@@ -209,13 +209,13 @@ def test_refuses_a_short_queue():
         BackMap(4, formats, queue=limit - 1)
 
 
-def test_refuses_to_share_among_more_neurons_than_there_are():
+def test_rejects_sharing_among_more_neurons_than_there_are():
     with pytest.raises(InputError,
                        match="share is 5, the limit is the number of hidden neurons, 4"):
         BackMap(4, barrel_descriptor().formats, hardware=Hardware(share=5))
 
 
-def test_refuses_unknown_options():
+def test_rejects_unknown_options():
     with pytest.raises(InputError, match="hidden is 'add', one of multiply, raster is needed"):
         Hardware(hidden="add")
     with pytest.raises(InputError, match="share is 0, the least is 1"):

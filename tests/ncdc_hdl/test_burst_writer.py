@@ -45,13 +45,13 @@ def groups(pixels, strip, lanes, upto=None):
 def stored(content, base, pixels, strip, upto=None, form=BGRX8):
     """Write the first ``upto`` of ``pixels`` into ``content`` where they belong."""
     height, width, _ = pixels.shape
-    place = scan_order(np.arange(height * width).reshape(height, width), strip)[:upto]
+    order = scan_order(np.arange(height * width).reshape(height, width), strip)[:upto]
     count = form.pixel_bytes
     frame = content[base:base + count * height * width].reshape(-1, count)
     red, green, blue = pixels.reshape(-1, 3).T
     bytes_of = np.column_stack({1: [green], 3: [blue, green, red],
                                 4: [blue, green, red, np.zeros_like(red)]}[count])
-    frame[place] = bytes_of[place]
+    frame[order] = bytes_of[order]
 
 
 def bursts(base, size, strip, word, form=BGRX8):
@@ -227,8 +227,8 @@ def test_a_frame_that_ends_early(strip, lanes, data_width, upto):
 @pytest.mark.parametrize("data_width,lanes", [(32, 1), (128, 1), (32, 2), (64, 4)])
 @pytest.mark.parametrize("before,form", [(BGR8, MONO8), (MONO8, BGR8), (BGRX8, BGRX8)])
 def test_nothing_is_left_of_a_frame_begun_before(before, form, data_width, lanes):
-    """A start in the middle of a frame, at several places in the word; the next frame ends with its
-    first group, so that a word would show what is left."""
+    """A start in the middle of a frame, at several positions in the word. The next frame ends with
+    its first group, so that a word would show what is left."""
     dut, rng, size = Packer(data_width, lanes), np.random.default_rng(1), (16, 8)
     frames = rng.integers(0, 256, (16, size[1], size[0], 3))
     content, expected = np.full(SIZE, 0xEE, np.uint8), np.full(SIZE, 0xEE, np.uint8)
@@ -308,10 +308,10 @@ def test_reset_completes_the_burst(data_width, strip, form, seed):
         bursts(BASES[0], size, strip, word, form))[:len(log) - len(second)]
 
 
-@pytest.mark.parametrize("kind", ["whole", "refused", "misaligned", "outside once"])
+@pytest.mark.parametrize("kind", ["whole", "rejected", "misaligned", "outside once"])
 def test_the_packer_itself_keeps_a_wrong_frame_from_memory(kind):
-    """Whatever lets it begin: of a frame that is refused, or whose base is no word's, or that was
-    outside its place once, it sends a void word for the end and nothing else."""
+    """Whatever lets it begin: of a frame that is rejected, or whose base is no word's, or that was
+    outside its buffer once, it sends a void word for the end and nothing else."""
     dut, sent, size = Packer(32), [], (8, 4)
     pixels = np.random.default_rng(3).integers(0, 256, (size[1], size[0], 3))
 
@@ -321,7 +321,7 @@ def test_the_packer_itself_keeps_a_wrong_frame_from_memory(kind):
     async def source(ctx):
         ctx.set(dut.o.ready, 1)
         await begin(ctx, Bench, 64 + 2 * (kind == "misaligned"), size, 0, BGRX8)
-        if kind == "refused":
+        if kind == "rejected":
             ctx.set(dut.reject, 1)
             await ctx.tick()
         if kind == "outside once":

@@ -15,8 +15,8 @@ LARGE_WINDOWS = CacheOptions(tiles=32, pending=8, outstanding=3, sequence_bits=5
                              interpolation=GRADIENT)
 
 
-def places(rng, count, near, core=3):
-    """First places that wander and jump, ``near`` of them next to the one before; corners first."""
+def positions(rng, count, near, core=3):
+    """First pixels that wander and jump, ``near`` of them next to the one before; corners first."""
     last_x, last_y = WIDTH - core, HEIGHT - core
     x0, y0 = rng.integers(0, last_x + 1, count), rng.integers(0, last_y + 1, count)
     for k in range(4, count):
@@ -67,7 +67,7 @@ def test_windows_and_misses(data_width, options, split, pauses, near):
     pitch = -(-WIDTH // word) * word
     raw = rng.integers(0, 256, (HEIGHT, pitch), np.uint8)
     needs = options.interpolation
-    found = places(rng, count, near, needs.core)
+    found = positions(rng, count, near, needs.core)
     fetched, (log,) = check_windows(Cache(F, data_width, options), raw, found, rng, pauses,
                                     margin=4 * pitch, needs=needs, width=WIDTH, split=split)
     expected = misses(*found, options, split)

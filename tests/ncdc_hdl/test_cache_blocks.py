@@ -22,8 +22,8 @@ F = 10
 def edge(first, size, needs):
     """What the window address says of a window in a frame of ``size`` columns, or rows."""
     before = max(needs.margin - first, 0)
-    behind = max(first + needs.after - (size - 1), 0)
-    return {"missing": max(before, behind), "after": int(behind > 0)}
+    beyond = max(first + needs.after - (size - 1), 0)
+    return {"missing": max(before, beyond), "after": int(beyond > 0)}
 
 
 def parts(x0, y0, blank, lanes, needs, size, word):
@@ -54,20 +54,20 @@ def test_groups_become_boxes(needs, lanes, gap, stall):
     word = 16 if (needs, lanes) == (GRADIENT, 4) else 8
     first = rng.integers(0, 60, (count, 1, 2))
     apart = rng.integers(-4, word, (count, lanes, 2)) // [1, word // 8 * 3]
-    places = np.clip(first + apart, 0, size - needs.core)
+    positions = np.clip(first + apart, 0, size - needs.core)
     blank = rng.random((count, lanes)) < .2
     blank[:3] = True
     items, expected = [], []
-    for k, (place, no) in enumerate(zip(places.tolist(), blank.tolist())):
-        x0, y0 = zip(*place)
+    for k, (position, no) in enumerate(zip(positions.tolist(), blank.tolist())):
+        x0, y0 = zip(*position)
         group = [{"x0": x, "y0": y, "fx": 0, "fy": k, "blank": int(b)}
                  | ({"edge_x": edge(x, size, needs), "edge_y": edge(y, size, needs)}
                     if needs.margin else {}) for x, y, b in zip(x0, y0, no)]
         items.append((group[0] if lanes == 1 else {"lane": group})
                      | {"first": k == 0, "last": k == count - 1})
         found = parts(x0, y0, no, list(range(lanes)), needs, size, word)
-        expected += [(k, sum(1 << n for n in chosen), box, place is found[-1])
-                     for place in found for chosen, box in [place]]
+        expected += [(k, sum(1 << n for n in chosen), box, part is found[-1])
+                     for part in found for chosen, box in [part]]
     dut, got, sizes = Boxes(F, lanes, needs), [], set()
 
     async def source(ctx):
@@ -91,7 +91,7 @@ def test_groups_become_boxes(needs, lanes, gap, stall):
 
 @pytest.mark.parametrize("needs,word_bytes,split", MEMORIES)
 def test_any_window_in_one_clock(needs, word_bytes, split):
-    """A frame that fits the cache as a whole; every place of a window in a block of tiles."""
+    """A frame that fits the cache as a whole; every position of a window in a block of tiles."""
     rng = np.random.default_rng(split)
     options, height, kinds = OPTIONS[needs], needs.tile_height, needs.tile_rows
     size, rows = needs.window, needs.box_rows
@@ -99,7 +99,7 @@ def test_any_window_in_one_clock(needs, word_bytes, split):
     frame = rng.integers(0, 256, (height * down, 16 * across), np.uint8)
     tiles = Tiles(options, word_bytes)
 
-    def place(tx, ty):
+    def set_of(tx, ty):
         return (ty // kinds) % (options.sets >> split) << split | (tx >> 1) % (1 << split)
 
     async def bench(ctx):
@@ -107,7 +107,7 @@ def test_any_window_in_one_clock(needs, word_bytes, split):
         ctx.set(tiles.shift, 1)
         for ty in range(down):
             for tx in range(across):
-                slot = ((tx & 1) | ty % kinds << 1) * options.sets + place(tx, ty)
+                slot = ((tx & 1) | ty % kinds << 1) * options.sets + set_of(tx, ty)
                 for row in range(height):
                     for word in range(max(1, 16 // (2 * word_bytes))):
                         start = 16 * tx + 2 * word_bytes * word
@@ -122,8 +122,8 @@ def test_any_window_in_one_clock(needs, word_bytes, split):
             x = int(rng.integers(0, 16 * across - size + 1))
             y = int(rng.integers(0, height * down - size + 1))
             tx, ty = x // 16, y // height
-            ctx.set(tiles.box, {"set": place(tx, ty),
-                                "next_set": place(tx + 1, ty + kinds - 1),
+            ctx.set(tiles.box, {"set": set_of(tx, ty),
+                                "next_set": set_of(tx + 1, ty + kinds - 1),
                                 "odd_tile": {"x": tx & 1, "y": ty % kinds},
                                 "row": y % height, "word": (x & 15) // word_bytes})
             await ctx.tick().repeat(tiles.latency)
@@ -136,7 +136,7 @@ def test_any_window_in_one_clock(needs, word_bytes, split):
 
 @pytest.mark.parametrize("needs,word_bytes", sorted({each[:2] for each in MEMORIES}, key=str))
 def test_windows_are_cut_from_the_samples(needs, word_bytes):
-    """Every place modulo the samples; of windows with a margin, with every edge now and then."""
+    """Every position modulo the samples; of windows with a margin, with every edge now and then."""
     rng = np.random.default_rng(word_bytes)
     align, rows, columns = align_for(word_bytes, needs), needs.box_rows, 2 * word_bytes
     block = rng.integers(0, 256, (rows, columns))

@@ -13,7 +13,7 @@ from ncdc_spec.white_balance import LARGEST_GAIN, UNITY
 from pipelines import run_bench, run_pipeline
 
 NODES = len(NODE_POSITIONS)
-INVERTED = tuple(256 - place for place in NODE_POSITIONS)
+INVERTED = tuple(256 - position for position in NODE_POSITIONS)
 ZIGZAG = (0, 256) * (NODES // 2) + (0,)
 
 

@@ -1,4 +1,4 @@
-"""Components of Platform Designer beside the corrector's: their Tcl, run with recording stubs,
+"""Components of Platform Designer next to the corrector's: their Tcl, run with recording stubs,
 has the ports of the Verilog."""
 
 import re
@@ -94,7 +94,7 @@ def test_a_camera_system_has_what_a_board_connects(system_folder):
     kinds = {call[1]: call[2] for call in calls if call[0] == "add_interface"}
     assert {name for name, kind in kinds.items() if kind == "conduit"} == {
         "sensor", "i2c", "usb", "front_end_idle"}
-    # The corrector's read host and, behind it, that of the link.
+    # The corrector's read host and, after it, that of the link.
     assert {name for name, kind in kinds.items() if kind == "avalon"} == {
         "csr", "read0", "read1", "write"}
 

@@ -1,4 +1,4 @@
-"""The whole corrector: golden model against floating point, generated Verilog against both."""
+"""The whole corrector: golden model compared with floating point, Verilog with both."""
 
 import numpy as np
 import pytest
@@ -36,7 +36,7 @@ def linear_descriptor(g, scale=1.0, shift=(0.0, 0.0), valid=None):
                                valid or ValidRows.everything(*g.corrected))
 
 
-# The golden model against an independent implementation in floating point.
+# The golden model compared with an independent implementation in floating point.
 
 @pytest.mark.parametrize("bayer", BAYER_PHASE)
 @pytest.mark.parametrize("levels", [2, 256])
@@ -93,7 +93,7 @@ def test_windows_that_leave_the_image_are_filled():
 
 
 def test_blanking_follows_the_true_map_not_the_network():
-    """The rough network is pixels off at the edge; the map tells what is blank all the same."""
+    """The rough network is pixels off at the edge; the map states what is blank all the same."""
     d = barrel_descriptor((64, 48), (64, 48), hidden_neurons=6, strength=0.4)
     v, u = np.indices((48, 64))
     truth = d.geometry.window_inside(*barrel_map(d.geometry, 0.4)(u, v))
@@ -114,7 +114,7 @@ def test_half_pixel_is_compensated():
     assert result["psnr_fast_db"] > result["psnr_demosaic_db"] - 2
 
 
-# The generated Verilog against the golden model.
+# The generated Verilog compared with the golden model.
 
 @pytest.mark.parametrize("simulator,memory,hardware", [
     ("icarus", "hostile", Hardware(fetcher="multiport")),

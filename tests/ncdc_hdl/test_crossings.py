@@ -94,7 +94,7 @@ def test_only_the_second_flop_reads_the_first(clocks):
 
 
 @pytest.mark.longer
-def test_nobody_reads_what_has_logic_before_its_synchroniser(clocks):
+def test_nothing_reads_what_has_logic_before_its_synchroniser(clocks):
     assert clocks.readers(f"{UNUSED}.stage0") == {f"{UNUSED}.stage1": True}
     assert clocks.readers(f"{UNUSED}.stage3") == {}
 
@@ -114,7 +114,7 @@ def test_a_crossing_without_a_synchroniser_is_found(monkeypatch):
 
 
 def test_logic_before_a_synchroniser_is_found(monkeypatch):
-    class Behind(Elaboratable):
+    class Gated(Elaboratable):
         """A planted error: a gate before a synchroniser."""
 
         def __init__(self, i, o, **options):
@@ -127,7 +127,7 @@ def test_logic_before_a_synchroniser_is_found(monkeypatch):
             m.submodules.inner = self.inner
             return m
 
-    monkeypatch.setattr(capture, "FFSynchronizer", Behind)
+    monkeypatch.setattr(capture, "FFSynchronizer", Gated)
     found = {c.sink: c.direct for c in crossings_of_capture() if "inner" in c.sink}
     assert found == {"active.inner.stage0": False, "enable.inner.stage0": False}
 

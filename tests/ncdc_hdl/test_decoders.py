@@ -27,12 +27,12 @@ def used(needs, window):
 
 
 def extremes(column, row):
-    """Windows that drive a kernel of the first place in this phase to both of its ends."""
+    """Windows that drive a kernel of the first corner in this phase to both of its ends."""
     rng = np.random.default_rng(2)
     windows = rng.integers(0, 256, (150, 6, 6))
     windows[0], windows[1] = 0, 255
     for k in range(2, 80):
-        # All samples at either end: what makes a place of some colour largest is among them.
+        # All samples at either end: what makes a corner of some colour largest is among them.
         windows[k] = 255 * rng.integers(0, 2, (6, 6))
     basis = np.eye(36, dtype=int).reshape(36, 6, 6)
     weights = gradient_colours(basis, 0, 0, (column, row)).reshape(12, 6, 6)
@@ -57,7 +57,7 @@ def test_the_direction_equals_model():
 @both
 @pytest.mark.parametrize("column", range(2))
 @pytest.mark.parametrize("row", range(2))
-def test_places_equal_model_in_every_phase(needs, column, row):
+def test_corners_equal_model_in_every_phase(needs, column, row):
     windows = extremes(column, row)
     dut = GATEWARE[needs]()
 
@@ -68,18 +68,18 @@ def test_places_equal_model_in_every_phase(needs, column, row):
 
     got = run_pipeline(dut, list(windows), drive,
                        lambda: [*dut.o, dut.reversed, dut.swapped])
-    places = np.array([each[:12] for each in got]).reshape(-1, 2, 2, 3)
-    for window, place, (*_, turned, swapped) in zip(windows, places, got):
+    corners = np.array([each[:12] for each in got]).reshape(-1, 2, 2, 3)
+    for window, corner, (*_, turned, swapped) in zip(windows, corners, got):
         for j in range(2):
             if turned >> j & 1:
-                place[j] = place[j, ::-1].copy()
+                corner[j] = corner[j, ::-1].copy()
         if swapped:
-            place = place[..., ::-1]
-        np.testing.assert_array_equal(place, MODEL[needs](window, 0, 0, (column, row)))
+            corner = corner[..., ::-1]
+        np.testing.assert_array_equal(corner, MODEL[needs](window, 0, 0, (column, row)))
     high, low = LARGEST[needs]
-    assert places.max() <= high * 255 and places.min() >= -low * 255
+    assert corners.max() <= high * 255 and corners.min() >= -low * 255
     # The direction follows the samples: not all weights of a sign meet the extremes at once.
-    assert needs == DIRECTIONAL or (places.max(), places.min()) == (high * 255, -low * 255)
+    assert needs == DIRECTIONAL or (corners.max(), corners.min()) == (high * 255, -low * 255)
 
 
 @both
@@ -95,8 +95,8 @@ def test_green_of_a_grey_sensor_is_each_sample_wherever_it_lies(needs):
             ctx.set(dut.mono, 1)
 
         got = run_pipeline(dut, list(windows), drive, lambda: [*dut.o, dut.reversed])
-        for window, (*places, turned) in zip(windows, got):
-            green = np.array(places).reshape(2, 2, 3)[..., 1]
+        for window, (*corners, turned) in zip(windows, got):
+            green = np.array(corners).reshape(2, 2, 3)[..., 1]
             for j in range(2):
                 if turned >> j & 1:
                     green[j] = green[j, ::-1].copy()
@@ -107,17 +107,17 @@ def test_green_of_a_grey_sensor_is_each_sample_wherever_it_lies(needs):
 def test_bilinear_equals_model_and_clamps(needs):
     rng = np.random.default_rng(3)
     high, low = (255 * sign for sign in LARGEST[needs])
-    places = rng.integers(-low, high + 1, (2, 2, 3, 400))
-    places[..., 0], places[..., 1] = high, -low
-    places[:, 0, :, 2], places[:, 1, :, 2] = -low, high
-    places[0, :, :, 3], places[1, :, :, 3] = -low, high
+    corners = rng.integers(-low, high + 1, (2, 2, 3, 400))
+    corners[..., 0], corners[..., 1] = high, -low
+    corners[:, 0, :, 2], corners[:, 1, :, 2] = -low, high
+    corners[0, :, :, 3], corners[1, :, :, 3] = -low, high
     fractions = rng.integers(0, 1 << F, (400, 2))
     fractions[:5] = [[0, 0], [0, 0], [1023, 1023], [1023, 0], [0, 1023]]
     turned = rng.integers(0, 4, 400)
     dut = Bilinear(F, needs, GATEWARE[needs]().signature.members["o"].shape)
 
     def drive(ctx, k):
-        shown = places[..., k].copy()
+        shown = corners[..., k].copy()
         for j in range(2):
             if turned[k] >> j & 1:
                 shown[j] = shown[j, ::-1].copy()
@@ -129,7 +129,7 @@ def test_bilinear_equals_model_and_clamps(needs):
             ctx.set(dut.crest, 32)      # no crest: the half of the rounding alone
 
     got = np.array(run_pipeline(dut, list(range(400)), drive, lambda: list(dut.o)))
-    np.testing.assert_array_equal(got, bilinear(places, *fractions.T, F, needs.unit_bits))
+    np.testing.assert_array_equal(got, bilinear(corners, *fractions.T, F, needs.unit_bits))
     assert {0, 255} <= set(got.ravel().tolist())
 
 
@@ -183,8 +183,8 @@ def test_stream_equals_model(needs, gap, stall, mono, crest):
         got.extend(await get(ctx, dut.o, count, lambda: rng.random() < stall))
 
     run_bench(dut, source, sink)
-    places = grey_corners(windows) if mono else MODEL[needs](windows, *origins.T, phase)
-    expected = bilinear(places, *fractions.T, F, needs.unit_bits,
+    corners = grey_corners(windows) if mono else MODEL[needs](windows, *origins.T, phase)
+    expected = bilinear(corners, *fractions.T, F, needs.unit_bits,
                         crest_of(windows, *fractions.T, F, crest))
     expected[blank] = [0x12, 0x34, 0x56]
     np.testing.assert_array_equal([[p.r, p.g, p.b] for p in got], expected)

@@ -1,4 +1,4 @@
-"""C and Python drivers: run against the Verilog, and on words that stand for registers."""
+"""C and Python drivers: run with the Verilog, and on words that stand for registers."""
 
 import subprocess
 import sys
@@ -29,7 +29,7 @@ def run_drivers(corrector, folder, simulator, library):
 @pytest.mark.longer
 @pytest.mark.parametrize("simulator", [
     "verilator", pytest.param("icarus", marks=pytest.mark.regress)])
-def test_drivers_run_against_the_verilog(corrector, folder, simulator):
+def test_drivers_run_with_the_verilog(corrector, folder, simulator):
     run_drivers(corrector, folder, simulator, library=folder)
 
 
@@ -173,7 +173,7 @@ except OSError as error:
 
 def test_back_ends_reach_the_registers(folder):
     """A file stands for the mapped device, a script for Quartus's programs, which repeats what it
-    is told; where the chain answers nothing, or there is none, the reason is told."""
+    is reported; where the chain answers nothing, or there is none, the reason is reported."""
     (folder / "registers.bin").write_bytes(bytes(1 << 16))
     done = subprocess.run([sys.executable, "-c", BACKENDS.format(tcl=TCL / "programs.tcl")],
                           cwd=folder, text=True, capture_output=True, timeout=60)

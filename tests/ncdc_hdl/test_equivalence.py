@@ -1,4 +1,4 @@
-"""Every distinct module of ``ncdc.v`` against the netlist that Amaranth's converter made.
+"""Every distinct module of ``ncdc.v`` compared with the netlist that Amaranth's converter made.
 
 The corrector is small in what multiplies: two neurons, sixteen tiles. Each planted error is one
 that a printer could make, in the text alone.
@@ -99,11 +99,11 @@ class NamedNext(wiring.Component):
     def elaborate(self, platform):
         m = Module()
         following = Signal(4)
-        kept = Signal(4, reset_less=True)
+        held = Signal(4, reset_less=True)
         with m.If(self.i[0]):
             m.d.comb += following.eq(self.i + 1)
-        m.d.sync += kept.eq(following)
-        m.d.comb += self.o.eq(kept)
+        m.d.sync += held.eq(following)
+        m.d.comb += self.o.eq(held)
         return m
 
 

@@ -27,15 +27,15 @@ def run(depth, write_rate, read_rate):
             ctx.set(dut.w_data, ITEMS[len(written) % len(ITEMS)])
             ctx.set(dut.w_en, int(offers))
             ctx.set(dut.r_en, int(takes))
-            _, _, room, there, item, level = await ctx.tick().sample(
+            _, _, space, there, item, level = await ctx.tick().sample(
                 dut.w_rdy, dut.r_rdy, dut.r_data, dut.level)
             levels.append(level)
             assert level == len(written) - len(taken)
-            assert room == (level < depth)
+            assert space == (level < depth)
             if takes and there:
                 out.append(item)
                 taken.append(clock)
-            if offers and room:
+            if offers and space:
                 written.append(clock)
             if len(out) == len(ITEMS):
                 break

@@ -12,8 +12,8 @@ from formal.arbiters import Arbiter
 from formal.avalon import Commands, Reader, Writer
 from formal.captures import Pins
 from formal.fences import FencedReads, FencedWords, WordsInBursts
-from formal.fills import FillOrder, FillRoom
-from formal.lookups import Places, Progress, Tokens
+from formal.fills import FillOrder, FillSpace
+from formal.lookups import Progress, Slots, Tokens
 from formal.queues import Credits
 from formal.sby import FAIL, PASS, run
 from formal.sdram_commands import Commands as SdramCommands
@@ -47,7 +47,7 @@ class TokenEarly(Retire):
         return balance >= -1
 
 
-class TokenKept(Retire):
+class TokenNotSpent(Retire):
     """Waits for a token too many."""
 
     @staticmethod
@@ -56,7 +56,7 @@ class TokenKept(Retire):
 
 
 class NeverInFlight(Interlock):
-    """Takes all look-ups of which the memory tells for read."""
+    """Takes all look-ups that the memory reports for read."""
 
     @staticmethod
     def _in_flight(since, before, wrapped):
@@ -75,7 +75,7 @@ class FramesMixed(Tags):
     """Keeps the entries of the frame before."""
 
     @staticmethod
-    def _last(place):
+    def _last(position):
         return Const(0)
 
 
@@ -88,7 +88,7 @@ class CreditTooMany(Fills):
 
 
 class SlotEarly(Fills):
-    """Takes the next tile's place with each word."""
+    """Takes the next tile's slot with each word."""
 
     def _write(self, m, commands, slots, complete):
         super()._write(m, commands, slots, complete)
@@ -104,15 +104,15 @@ class StaleWords(ReadCommands):
 
 
 class WordTooFar(Packer):
-    """Takes the word behind the place for one inside."""
+    """Takes the word after the buffer for one inside."""
 
     @staticmethod
     def _inside(number, first, end):
         return (number >= first) & (number <= end)
 
 
-class BeforeThePlace(Packer):
-    """Looks at the place's end only, as if no address came round."""
+class BeforeTheBuffer(Packer):
+    """Looks at the buffer's end only, as if no address came round."""
 
     @staticmethod
     def _inside(number, first, end):
@@ -151,7 +151,7 @@ class Forgetful(SensorPort):
 
 
 class ReadTooFar(ReadFence):
-    """Lets a command reach one word beyond the place."""
+    """Lets a command reach one word beyond the buffer."""
 
     @staticmethod
     def _inside(number, first, end):
@@ -166,10 +166,10 @@ class Greedy(SdramArbiter):
 
 
 class RowOverrun(Segments):
-    """Goes on behind the end of a row."""
+    """Goes on after the end of a row."""
 
     @staticmethod
-    def _crosses(behind):
+    def _crosses(end):
         return Const(0)
 
 
@@ -210,17 +210,17 @@ PROOFS = {
     "commands": (Commands, "prove", 2),
     "reader": (Reader, "prove", 2),
     "writer": (Writer, "prove", 2),
-    "reads in their place": (FencedReads, "prove", 4),
-    "words in their place": (FencedWords, "prove", 3),
+    "reads in their buffer": (FencedReads, "prove", 4),
+    "words in their buffer": (FencedWords, "prove", 3),
     "credits": (Credits, "prove", 2),
     "frames of two readers": (Store, "prove", 2),
     "bursts of two hosts": (Arbiter, "prove", 2),
     "samples of a sensor": (Pins, "bmc", 30),
-    "fill room": (FillRoom, "prove", 2),
+    "fill space": (FillSpace, "prove", 2),
     "tokens": (Tokens, "prove", 2),
     "progress": (Progress, "prove", 11),
     "fill order": (FillOrder, "bmc", 20),
-    "places": (Places, "bmc", 15),
+    "slots": (Slots, "bmc", 15),
     "turns of SDRAM hosts": (TurnsCome, "prove", 2),
     "bursts cut at rows": (BurstsCut, "prove", 2),
     "SDRAM commands": (lambda: SdramCommands(longest=None), "prove", 2),
@@ -229,50 +229,50 @@ PROOFS = {
 LONG = {
     "reader of two words": (lambda: Reader(depth=2, burst=2), "prove", 2),
     "writer of four words": (lambda: Writer(4), "prove", 2),
-    "reads of two words in their place": (lambda: FencedReads(shortest=2), "prove", 4),
-    "words in their place, four pixels": (lambda: FencedWords(lanes=4), "prove", 3),
-    "words in their place, 128 bits": (lambda: FencedWords(data_width=128), "prove", 3),
-    "bursts in their place": (WordsInBursts, "prove", 2),
+    "reads of two words in their buffer": (lambda: FencedReads(shortest=2), "prove", 4),
+    "words in their buffer, four pixels": (lambda: FencedWords(lanes=4), "prove", 3),
+    "words in their buffer, 128 bits": (lambda: FencedWords(data_width=128), "prove", 3),
+    "bursts in their buffer": (WordsInBursts, "prove", 2),
     "credits, five": (lambda: Credits(5, 0), "prove", 2),
     "frames of four readers": (lambda: Store(4), "prove", 2),
     "bursts of three hosts": (lambda: Arbiter(hosts=3), "prove", 2),
-    "fill room, 32 bits": (lambda: FillRoom(32, 3), "prove", 2),
-    "fill room, one tile": (lambda: FillRoom(64, 1), "prove", 2),
+    "fill space, 32 bits": (lambda: FillSpace(32, 3), "prove", 2),
+    "fill space, one tile": (lambda: FillSpace(64, 1), "prove", 2),
     "turns of a reader and a writer": (lambda: TurnsCome(reads=1), "prove", 2),
     # The tiles and tag banks of the gradient-corrected interpolation.
-    "fill room, gradient": (lambda: FillRoom(needs=GRADIENT), "prove", 2),
+    "fill space, gradient": (lambda: FillSpace(needs=GRADIENT), "prove", 2),
     "tokens, gradient": (lambda: Tokens(needs=GRADIENT), "prove", 2),
     "fill order, gradient": (lambda: FillOrder(needs=GRADIENT), "bmc", 20),
-    "bursts of four words in their place": (lambda: WordsInBursts(4), "prove", 2),
+    "bursts of four words in their buffer": (lambda: WordsInBursts(4), "prove", 2),
     "turns of four readers": (lambda: TurnsCome(reads=4), "prove", 2),
     "SDRAM commands and refreshes": (SdramCommands, "prove", 24),
     "SDRAM commands, bursts of two": (lambda: SdramCommands(max_burst=2), "prove", 24),
     "SDRAM commands, words of two beats": (lambda: SdramCommands(16), "prove", 24),
     "words read from SDRAM": (lambda: WordsRead(reads=1), "bmc", 25),
     "progress, gradient": (lambda: Progress(needs=GRADIENT), "prove", 15),
-    "places, gradient": (lambda: Places(needs=GRADIENT), "bmc", 15),
+    "slots, gradient": (lambda: Slots(needs=GRADIENT), "bmc", 15),
     "fill order": (FillOrder, "bmc", 25),
     "fill order, 64 bits": (lambda: FillOrder(64), "bmc", 25),
-    **{f"places, split {split}": (lambda split=split: Places(split), "bmc", 16)
+    **{f"slots, split {split}": (lambda split=split: Slots(split), "bmc", 16)
        for split in range(3)},
-    "places of one bank": (lambda: Places(one_bank=True), "bmc", 18),
+    "slots of one bank": (lambda: Slots(one_bank=True), "bmc", 18),
 }
 COVERS = {
     "commands": (Commands, 14, {"full", "dropped", "forgotten", "memory_first"}),
     "reader": (Reader, 16, {"full", "dropped", "memory_first"}),
     "writer": (Writer, 16, {"across_reset", "full", "forgotten"}),
-    "reads in their place": (FencedReads, 6, {"moved", "to_the_end"}),
-    "words in their place": (FencedWords, 12, {"void", "to_the_end"}),
-    "bursts in their place": (WordsInBursts, 12, {"void", "to_the_end"}),
+    "reads in their buffer": (FencedReads, 6, {"moved", "to_the_end"}),
+    "words in their buffer": (FencedWords, 12, {"void", "to_the_end"}),
+    "bursts in their buffer": (WordsInBursts, 12, {"void", "to_the_end"}),
     "credits": (Credits, 20, {"full", "restart", "at_rest"}),
     "frames": (Store, 14, {"all_in_use", "followed", "lost"}),
     "bursts of two hosts": (Arbiter, 10, {"urgent_waits", "other_waits"}),
     "samples of a sensor": (Pins, 34, {"clean", "overflow"}),
-    "fill room": (FillRoom, 34, {"all_owed", "claim_while_filled"}),
+    "fill space": (FillSpace, 34, {"all_owed", "claim_while_filled"}),
     "fill order": (FillOrder, 32, {"second_tile"}),
     "progress": (Progress, 25, {"full", "tokens_to_come", "waits"}),
 }
-LONG_COVERS = {"places": (Places, 27, {"replaced", "interlock", "next_frame"}),
+LONG_COVERS = {"slots": (Slots, 27, {"replaced", "interlock", "next_frame"}),
                "tokens": (Tokens, 26, {"full", "tokens_to_come"})}
 # The last turn that a host may have to wait for, of each.
 _TURNS = {f"last_{host}" for host in ("video", "write", "read0", "read1")}
@@ -295,27 +295,27 @@ PLANTED = {
     "words that the memory forgot": (lambda: Commands(deaf=True), 10, "owed_is_known"),
     "words that never come": (lambda: Commands(deaf=True), 12, "never_locked_up"),
     "burst that the memory forgot": (lambda: Writer(deaf=True), 12, "left"),
-    "a word behind the place": (lambda: FencedWords(WordTooFar), 12, "inside"),
-    "a word before the place": (lambda: FencedWords(BeforeThePlace), 12, "inside"),
-    "a read behind the place": (lambda: FencedReads(ReadTooFar), 6, "inside"),
-    "reader's queue too small": (lambda: planted(Reader(), places_missing=1), 12, "no_overflow"),
+    "a word after the buffer": (lambda: FencedWords(WordTooFar), 12, "inside"),
+    "a word before the buffer": (lambda: FencedWords(BeforeTheBuffer), 12, "inside"),
+    "a read after the buffer": (lambda: FencedReads(ReadTooFar), 6, "inside"),
+    "reader's queue too small": (lambda: planted(Reader(), entries_missing=1), 12, "no_overflow"),
     "word dropped under waitrequest": (lambda: Writer(forget=True), 10, "word_held"),
     "reset forgets the burst": (lambda: planted(Writer(), forgotten=[("left",)]), 12,
                                 "burst_goes_on"),
-    "a buffer too few": (lambda: Store(buffers_missing=1), 14, "room"),
+    "a buffer too few": (lambda: Store(buffers_missing=1), 14, "space"),
     "a frame that is not complete": (lambda: Store(kind=BegunClaimed), 10, "alone1"),
-    "a frame that is begun anew": (lambda: Store(kind=ForgottenReader), 14, "kept0"),
+    "a frame that is begun anew": (lambda: Store(kind=ForgottenReader), 14, "unchanged0"),
     "a burst that another breaks into": (lambda: Arbiter(kind=Impatient), 10, "burst_is_one1"),
     "samples lost without a word": (lambda: Pins(kind=Forgetful), 32, "nothing_lost"),
     "credit too many": (lambda: Credits(credit_error=1), 16, "no_overflow"),
-    "credits' queue too small": (lambda: planted(Credits(), places_missing=1), 16, "no_overflow"),
-    "tile too many": (lambda: FillRoom(kind=CreditTooMany), 30, "words_owed"),
-    "fills' queues too small": (lambda: planted(FillRoom(128, 3), places_missing=1), 20,
+    "credits' queue too small": (lambda: planted(Credits(), entries_missing=1), 16, "no_overflow"),
+    "tile too many": (lambda: FillSpace(kind=CreditTooMany), 30, "words_owed"),
+    "fills' queues too small": (lambda: planted(FillSpace(128, 3), entries_missing=1), 20,
                                 "no_overflow"),
-    "place too early": (lambda: FillOrder(kind=SlotEarly), 24, "place"),
-    "token kept": (lambda: Progress(retire=TokenKept), 26, "something_happens"),
-    "frames mixed": (lambda: Places(tags=FramesMixed), 20, "own_tile"),
-    "no interlock, claimed twice": (lambda: Places(tags=NoInterlock), 20, "filled_once"),
+    "slot too early": (lambda: FillOrder(kind=SlotEarly), 24, "slot"),
+    "token not spent": (lambda: Progress(retire=TokenNotSpent), 26, "something_happens"),
+    "frames mixed": (lambda: Slots(tags=FramesMixed), 20, "own_tile"),
+    "no interlock, claimed twice": (lambda: Slots(tags=NoInterlock), 20, "filled_once"),
 }
 
 LONG_PLANTED = {
@@ -325,18 +325,18 @@ LONG_PLANTED = {
                            "due_no_longer"),
     "words a clock late": (lambda: WordsRead(reads=1, late=1), 24, "own_word0"),
     "token early, counted": (lambda: Tokens(retire=TokenEarly), 20, "most_awaited"),
-    "token early, seen": (lambda: Places(retire=TokenEarly), 20, "own_tile"),
-    "no interlock, seen": (lambda: Places(tags=NoInterlock), 20, "own_tile"),
+    "token early, seen": (lambda: Slots(retire=TokenEarly), 20, "own_tile"),
+    "no interlock, seen": (lambda: Slots(tags=NoInterlock), 20, "own_tile"),
 }
 
 
 SHORT_COVERS = {"commands", "credits", "bursts of two hosts", "bursts cut at rows"}
 LONGER_PLANTED = {
     "a word of another row", "READ too early", "burst that the memory forgot",
-    "a word behind the place", "a word before the place", "a read behind the place",
+    "a word after the buffer", "a word before the buffer", "a read after the buffer",
     "word dropped under waitrequest", "reset forgets the burst", "a buffer too few",
-    "samples lost without a word", "tile too many", "fills' queues too small", "place too early",
-    "token kept", "frames mixed", "no interlock, claimed twice"}
+    "samples lost without a word", "tile too many", "fills' queues too small", "slot too early",
+    "token not spent", "frames mixed", "no interlock, claimed twice"}
 
 
 def long_cases(rows):

@@ -94,13 +94,13 @@ def test_a_reader_that_releases_in_time_loses_nothing():
     run(bench)
 
 
-def test_without_a_limit_a_buffer_is_kept_for_ever_and_released_it_is_free():
+def test_without_a_limit_a_buffer_is_held_for_ever_and_released_it_is_free():
     async def bench(ctx, store):
         first, second = store.readers
         await pulse(ctx, first.claim)
         assert await clocks_held(ctx, first, 500) is None
         held = ctx.get(first.buffer)
-        # Others get newer frames, and nobody writes into the one that is held.
+        # Others get newer frames, and nothing writes into the one that is held.
         written = [await frame(ctx, store) for _ in range(8)]
         assert held not in written and len(set(written)) >= 2
         await pulse(ctx, second.claim)

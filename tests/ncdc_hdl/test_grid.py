@@ -1,4 +1,4 @@
-"""The grid stage: gateware against the golden model, in every pattern of clocks and with faults."""
+"""The grid stage: gateware equals the golden model, in every pattern of clocks and with faults."""
 
 from itertools import product
 
@@ -54,12 +54,12 @@ def pins_of(samples, pauses, change=lambda y, row: row):
     is high; 0 after the last one: it falls with the last sample's LINE_VALID.
     ``change(y, row)`` gives a row's samples otherwise, None for a clock without one.
     """
-    before, between, behind = pauses
+    before, between, after = pauses
     clocks = [(1, 0, 1234)] * before
     for y, row in enumerate(samples):
         clocks += [(1, 0, 4095) if value is None else (1, 1, int(value))
                    for value in change(y, list(row))]
-        clocks += [(1, 0, 777)] * (between if y < len(samples) - 1 else behind)
+        clocks += [(1, 0, 777)] * (between if y < len(samples) - 1 else after)
     return clocks + [(0, 0, 99)] * 4
 
 
@@ -241,7 +241,7 @@ def test_a_frame_that_began_before_enable_is_not_captured():
 
 @pytest.mark.parametrize("width", [5, 8, 26])
 def test_latency_is_that_of_the_samples(width):
-    """A sample leaves with the clock of its place, and with no weight as it came."""
+    """A sample leaves with the clock of its position, and with no weight as it came."""
     dut, items = Grid(width), list(np.random.default_rng(3).integers(0, 4096, 3 * width))
 
     def drive(ctx, item):

@@ -10,7 +10,7 @@ BIT = 4 * QUARTER
 
 
 class Bus:
-    """Both lines, each low if anybody pulls it low; a target that acknowledges and sends a byte.
+    """Both lines, each low if a side pulls it low; a target that acknowledges and sends a byte.
 
     ``log`` has "S", "P" and the bits that SCL's rising edges show. ``sends``: the target's bits
     from the given rising edge on, None: let go.
@@ -89,7 +89,7 @@ def test_bytes_go_out_and_are_acknowledged(spikes):
     assert bus.log == ["S", *bits(0xA6), 0, *bits(0x35), 0, 0, "P"]
 
 
-def test_nobody_there():
+def test_no_target():
     assert Bus().run(WRITE | {"stop": 1}) == [(0xA6, 1, 0, 0)]
 
 

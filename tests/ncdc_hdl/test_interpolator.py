@@ -1,4 +1,4 @@
-"""Bayer decoder and bilinear interpolator against the golden model."""
+"""Bayer decoder and bilinear interpolator compared with the golden model."""
 
 import numpy as np
 import pytest
@@ -31,7 +31,7 @@ def test_bayer_quads_equal_model_in_every_phase():
 
 
 def test_bayer_quads_of_a_flat_colour_are_that_colour():
-    """Red, green and blue must not be swapped, whatever the phase and the place."""
+    """Red, green and blue must not be swapped, whatever the phase and the position."""
     for bayer, (column, row) in BAYER_PHASE.items():
         raw = np.full((6, 6), 50)
         raw[row::2, column::2], raw[1 - row::2, 1 - column::2] = 200, 10
@@ -71,11 +71,11 @@ def test_bilinear_rounds_to_nearest():
 def test_stream_equals_model(gap, stall):
     rng = np.random.default_rng(6)
     count = 200
-    windows, places = rng.integers(0, 256, (count, 3, 3)), rng.integers(0, 1024, (count, 2))
+    windows, fractions = rng.integers(0, 256, (count, 3, 3)), rng.integers(0, 1024, (count, 2))
     origins, blank = rng.integers(0, 2, (count, 2)), rng.random(count) < .2
     fill, phase = 0x123456, (1, 0)
     items = [{"samples": windows[k].ravel().tolist(), "odd_column": int(origins[k, 0]),
-              "odd_row": int(origins[k, 1]), "fx": int(places[k, 0]), "fy": int(places[k, 1]),
+              "odd_row": int(origins[k, 1]), "fx": int(fractions[k, 0]), "fy": int(fractions[k, 1]),
               "blank": int(blank[k]), "first": k == 0, "last": k == count - 1}
              for k in range(count)]
     dut, got = Interpolator(F), []
@@ -89,7 +89,7 @@ def test_stream_equals_model(gap, stall):
         got.extend(await get(ctx, dut.o, count, lambda: rng.random() < stall))
 
     run_bench(dut, source, sink)
-    expected = bilinear(bayer_quads(windows, *origins.T, phase), *places.T, F)
+    expected = bilinear(bayer_quads(windows, *origins.T, phase), *fractions.T, F)
     expected[blank] = [0x12, 0x34, 0x56]
     np.testing.assert_array_equal([[p.r, p.g, p.b] for p in got], expected)
     assert [k for k, p in enumerate(got) if p.first] == [0]

@@ -1,4 +1,4 @@
-"""Registers through JTAG scans: the scan chain's clock stops, has any phase, and hosts go."""
+"""Registers through JTAG scans: the JTAG clock stops, has any phase, and hosts go."""
 
 import numpy as np
 import pytest
@@ -12,7 +12,7 @@ ADDRESS_BITS = 14
 
 
 class Chain:
-    """A bridge, registers behind it, and a host that scans."""
+    """A bridge, its registers, and a host that scans."""
 
     def __init__(self, core_ns, chain_ns, longest=20, seed=1):
         self.bridge, self.tck = JtagBridge(ADDRESS_BITS), Signal()
@@ -111,7 +111,7 @@ def test_reads_and_writes(core_ns, chain_ns):
 
 
 def test_one_at_a_time():
-    """A request while another is under way is dropped; an answer that nobody has seen is not that
+    """A request while another is under way is dropped; an answer that no host has seen is not that
     of the next request; short scans ask nothing."""
     chain, seen = Chain(13.3, 5, longest=400), []
 

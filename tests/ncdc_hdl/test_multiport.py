@@ -1,4 +1,4 @@
-"""The three-port fetcher: windows, order and number of reads against the golden model."""
+"""The three-port fetcher: windows, order and number of reads compared with the golden model."""
 
 import numpy as np
 import pytest
@@ -66,7 +66,7 @@ def test_a_new_frame_is_read_again():
 
 @pytest.mark.longer
 def test_a_reset_does_not_forget_reads():
-    """Words asked for before a reset come behind it, and must not be taken for those of later."""
+    """Words asked for before a reset come after it, and must not be taken for those of later."""
     rng = np.random.default_rng(2)
     raw = rng.integers(0, 256, (64, 64), np.uint8)
     origins = [(int(x), int(y)) for x, y in rng.integers(0, 61, (12, 2))]

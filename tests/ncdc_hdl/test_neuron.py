@@ -1,4 +1,4 @@
-"""Neurons: gateware against the golden model, over every rounding and saturation edge."""
+"""Neurons: gateware compared with the golden model, over every rounding and saturation edge."""
 
 import numpy as np
 import pytest
@@ -16,7 +16,7 @@ FORMATS = Formats()
 
 
 def bias_edges(xq, wq, bq, yq):
-    """Biases that put the sum, with inputs of zero, on and beside each rounding step's edge."""
+    """Biases that put the sum, with inputs of zero, on and next to each rounding step's edge."""
     shift = bq.f_bits - yq.f_bits          # of the bias alone; the products' bits are zero
     edges = [(edge << shift) - (1 << (shift - 1)) + d
              for edge in (yq.lo, yq.hi + 1, 0, 1, -1) for d in (-1, 0, 1)]
@@ -159,6 +159,6 @@ def test_one_result_per_clock(bits):
     np.testing.assert_array_equal(got, output_neuron(list(inputs.T), weights, bias, f))
 
 
-def test_refuses_formats_without_rounding():
+def test_rejects_formats_without_rounding():
     with pytest.raises(InputError, match="products Q1.10 x Q4.10 have 20 fraction bits, too few"):
         Formats(input=Q(1, 10), hidden_weight=Q(4, 10), hidden_bias=Q(5, 20), net=Q(5, 20))

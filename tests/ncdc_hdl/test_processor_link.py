@@ -11,7 +11,7 @@ WORDS = {0x40: 0x11223344, 0x44: 0xAABBCCDD}        # of the memory, by byte add
 REGISTERS = {5: 0x55, 9: 0x99}                      # of the system
 
 
-def test_another_width_of_the_memory_is_refused():
+def test_another_width_of_the_memory_is_rejected():
     with pytest.raises(InputError, match="the memory has 64 bits, 32 are needed"):
         ProcessorLink(64, 3840)
 

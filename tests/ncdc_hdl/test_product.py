@@ -73,6 +73,6 @@ def test_finds_wrong_parts(wrong, monkeypatch):
         check(24, 24, 18)
 
 
-def test_refuses_factors_of_more_than_two_parts():
+def test_rejects_factors_of_more_than_two_parts():
     with pytest.raises(ValueError, match="a factor has 36 bits, the limit for two parts is 35"):
         Product(24, 36, 18)

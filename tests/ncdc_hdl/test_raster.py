@@ -1,4 +1,4 @@
-"""Hidden layers behind the scan: nets of every pixel equal the golden model, with gaps or without.
+"""Hidden layers after the scan: nets of every pixel equal the golden model, with gaps or without.
 
 The raster layer and the multiplying one share every test. The frames' neurons walk the edges of
 rounding and saturation, and hold weights at the limits of their formats.
@@ -29,7 +29,7 @@ LAYERS = {"multiply": MultiplyLayer, "raster": RasterLayer}
 class ScannedLayer(Elaboratable):
     """A scan and a hidden layer for each lane; ``forced`` fields of the pixel are stuck at zero.
 
-    ``issue`` tells a pixel's turn 0, one clock after ``pause`` has been low at the earliest.
+    ``issue`` marks a pixel's turn 0, one clock after ``pause`` has been low at the earliest.
     """
 
     def __init__(self, kind, neurons, share, forced=(), lanes=1):
@@ -115,7 +115,7 @@ def run(dut, frames, gap=0.0, seed=1, strip=0):
 
 
 def bias_edges():
-    """(weights, bias) of sums that stay on or beside an edge of rounding or saturation."""
+    """(weights, bias) of sums that stay on or next to an edge of rounding or saturation."""
     f = FORMATS
     shift = f.hidden_bias.f_bits - f.net.f_bits
     return [([0, 0], (edge << shift) - (1 << (shift - 1)) + d)
@@ -176,7 +176,7 @@ def test_neurons_and_turns(kind, neurons, share):
     (1, 2, 32, .3), (2, 4, 0, 0), *(pytest.param(*case, marks=pytest.mark.regress) for case in (
         (1, 1, 32, .2), (2, 1, 64, 0)))])
 def test_strips_and_lanes(kind, share, lanes, strip, gap):
-    """Behind a strip, in each lane; the first picture's groups of 4 are half the range apart."""
+    """After a strip, in each lane; the first picture's groups of 4 are half the range apart."""
     rng = np.random.default_rng(5)
     frames = [frame_of(scan_of(*size), anything(rng, 3) + extremes(rng, 2))
               for size in ((8, 8), (72, 8))]

@@ -117,7 +117,7 @@ def test_a_commit_without_a_frame_acts_at_once():
 
 
 @pytest.mark.parametrize("name", [r.name for r in ROWS if r.access == "shadow"])
-def test_a_committed_set_refuses_writes(name):
+def test_a_committed_set_rejects_writes(name):
     """No register of the set can change between the commit and the frame boundary."""
     async def bench(ctx, dut, host):
         address = BY_NAME[name].address
@@ -138,8 +138,8 @@ def test_a_committed_set_refuses_writes(name):
     run(bench)
 
 
-def test_valid_rows_in_use_refuse_writes():
-    """Of the two banks, a running frame holds one and a committed set the other."""
+def test_valid_rows_in_use_reject_writes():
+    """A running frame holds one of the two banks, a committed set the other."""
     async def bench(ctx, dut, host):
         async def takes(bank, span):
             await host.write(BY_NAME["VALID_WINDOW"].address, bank)
@@ -193,7 +193,7 @@ def test_a_commit_at_the_frame_boundary_is_whole(lead):
 
 @pytest.mark.longer
 @pytest.mark.parametrize("seed", [1, pytest.param(2, marks=pytest.mark.regress)])
-def test_random_host_against_the_contract(seed):
+def test_random_host_and_the_contract(seed):
     """Writes, starts, commits and ends of frames in any order: what a frame sees is constant while
     it runs, and is a whole set as it was when committed; no valid row of its bank is written."""
     async def bench(ctx, dut, host):
@@ -213,10 +213,10 @@ def test_random_host_against_the_contract(seed):
             assert {name: ctx.get(dut.active[name]) for name in contract.active} == contract.active
         ctx.set(dut.bus.write, 0)
         ctx.set(dut.ended, 0)
-        assert bool(await status(host) & STATUS_REFUSED) == contract.refused
-        for name, value in contract.kept.items():
+        assert bool(await status(host) & STATUS_REFUSED) == contract.rejected
+        for name, value in contract.held.items():
             assert await host.read(BY_NAME[name].address) == value & 0xFFFFFFFF, name
-        assert contract.commits > 10 and contract.refused and contract.waits > 100
+        assert contract.commits > 10 and contract.rejected and contract.waits > 100
 
     run(bench)
 
@@ -242,7 +242,7 @@ def test_unused_addresses_read_zero(address):
     run(bench)
 
 
-def test_an_abort_right_behind_the_start_counts():
+def test_an_abort_right_after_the_start_counts():
     """The start's frame begins in the very clock in which the abort arrives."""
     async def bench(ctx, dut, host):
         await host.write(BY_NAME["CTRL"].address, CTRL_START)

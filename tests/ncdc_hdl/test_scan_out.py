@@ -12,13 +12,13 @@ from ncdc_hdl.video.scan_out import ScanOut
 MODE = VideoMode((20, 3, 4, 5), (9, 1, 2, 6), True, (1, 2))
 LINE, LINES = sum(MODE.horizontal), sum(MODE.vertical)
 WIDTH, HEIGHT = 14, 7
-BUFFER = 1024           # bytes of a frame's place
+BUFFER = 1024           # bytes of a frame's buffer
 
 
 class Board:
     """A scan-out, a memory of random frames, and a store whose newest frame the test chooses.
 
-    ``slow`` is the chance that the memory gives no word in a clock. Of the claim with the number
+    ``slow`` is the probability that the memory gives no word in a clock. Of the claim with number
     ``starved`` it gives but 20 words until the beam is below that frame.
     """
 

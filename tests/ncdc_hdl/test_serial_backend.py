@@ -1,4 +1,4 @@
-"""The Python driver over a serial port, against a port that answers as the model of the link."""
+"""The Python driver over a serial port, with a port that answers as the model of the link."""
 
 import importlib.util
 from importlib.resources import files
@@ -9,20 +9,20 @@ from ncdc_spec.protocols.serial_link import BAD, READ, READ_DONE, WRITE_DONE, cr
 
 
 def backends():
-    place = files("ncdc_hdl.export.drivers") / "host" / "ncdc_backends.py"
-    spec = importlib.util.spec_from_file_location("ncdc_backends", place)
+    path = files("ncdc_hdl.export.drivers") / "host" / "ncdc_backends.py"
+    spec = importlib.util.spec_from_file_location("ncdc_backends", path)
     module = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)
     return module
 
 
 class Port:
-    """Answers requests out of ``words``; of the first ``spoiled`` answers a bit is wrong, the next
+    """Answers requests out of ``words``. Of the first ``corrupted`` answers a bit is wrong, next
     ``lost`` never come."""
 
-    def __init__(self, spoiled=0, lost=0):
+    def __init__(self, corrupted=0, lost=0):
         self.words, self.answer, self.requests = {}, b"", 0
-        self.spoiled, self.lost = spoiled, lost
+        self.corrupted, self.lost = corrupted, lost
 
     def write(self, request):
         self.requests += 1
@@ -34,8 +34,8 @@ class Port:
             self.words[address] = int.from_bytes(request[3:7], "big")
             answer = bytes([WRITE_DONE])
         answer += bytes([crc8(answer)])
-        if self.spoiled:
-            self.spoiled -= 1
+        if self.corrupted:
+            self.corrupted -= 1
             answer = bytes([answer[0] ^ 4]) + answer[1:]
         elif self.lost:
             self.lost -= 1
@@ -57,19 +57,19 @@ def test_words_come_back():
     assert port.requests == 5
 
 
-@pytest.mark.parametrize("spoiled,lost", [(1, 0), (0, 2), (1, 1)])
-def test_a_wrong_or_missing_answer_is_asked_for_again(spoiled, lost):
-    port = Port(spoiled, lost)
+@pytest.mark.parametrize("corrupted,lost", [(1, 0), (0, 2), (1, 1)])
+def test_a_wrong_or_missing_answer_is_asked_for_again(corrupted, lost):
+    port = Port(corrupted, lost)
     port.words[3] = 99
     read, _ = backends().Serial(port, pause=0)
-    assert read(12) == 99 and port.requests == 1 + spoiled + lost
+    assert read(12) == 99 and port.requests == 1 + corrupted + lost
 
 
-def test_a_port_without_a_board_is_told():
-    class Refuses(Port):
+def test_a_port_without_a_board_is_reported():
+    class Rejects(Port):
         def write(self, request):
             self.answer += bytes([BAD, crc8(bytes([BAD]))])
 
-    for port in (Port(lost=3), Refuses()):
+    for port in (Port(lost=3), Rejects()):
         with pytest.raises(OSError, match="no right answer"):
             backends().Serial(port, pause=0).read(0)

@@ -30,7 +30,7 @@ def with_skip(d, weights=SKIP):
 
 @pytest.mark.parametrize("skip_weight", [Q(14, 12), Q(14, 8), Q(20, 12)])
 def test_output_neuron_equals_exact_sum(skip_weight):
-    """Against Python's integers of any size, with the finer products on either side."""
+    """Compared with Python's integers of any size, with the finer products on either side."""
     f = replace(Formats(), skip_weight=skip_weight)
     rng = np.random.default_rng(skip_weight.f_bits)
     a = [rng.integers(f.tansig.lo, f.tansig.hi, 50) for _ in range(3)]

@@ -19,8 +19,8 @@ class TooEarly(NativeReader):
         return left <= 1
 
 
-class NoRoom(NativeWriter):
-    """Does not ask whether there is room for the word."""
+class NoSpace(NativeWriter):
+    """Does not ask whether there is space for the word."""
 
     @staticmethod
     def _space(for_command, for_word):
@@ -47,9 +47,9 @@ PROOFS = {"reads": (NativeReads, "prove", 3), "writes": (NativeWrites, "bmc", _W
           "accesses": (WishboneAccesses, "prove", 3)}
 COVERS = {"reads": (NativeReads, 8, {"next_at_once"}),
           "writes": (NativeWrites, 14, {"second_burst"}),
-          "accesses": (WishboneAccesses, 10, {"after_one_given_up", "refused"})}
+          "accesses": (WishboneAccesses, 10, {"after_one_given_up", "rejected"})}
 PLANTED = {"a burst too early": (lambda: NativeReads(TooEarly), 8, "none_lost"),
-           "no room for the word": (lambda: NativeWrites(NoRoom), _WRITE_CLOCKS,
+           "no space for the word": (lambda: NativeWrites(NoSpace), _WRITE_CLOCKS,
                                     "a_word_is_there"),
            "answered by the command": (lambda: NativeWrites(CommandOnly), 8, "answered_then"),
            "another's word": (lambda: WishboneAccesses(Forgets), 8, "own_word")}

@@ -59,7 +59,7 @@ def test_strips_equal_golden(fetcher, data_width, hidden, strip, memory):
 
 
 class Frames:
-    """Frames of ``d`` to places of their own, one after the other, in a program for the bench."""
+    """Frames of ``d`` to buffers of their own, one after the other, in a program for the bench."""
 
     def __init__(self, d, data_width):
         self.d, self.data_width = d, data_width
@@ -107,7 +107,7 @@ def check_whole(pixels, golden):
 
 def check_begun(pixels, golden, strip, written=None):
     """The first ``written`` pixels are right but for the last, which is blank; the others are
-    untouched. Not told how many: each pixel is right or untouched."""
+    untouched. Without a count: each pixel is right or untouched."""
     pixels, golden = scan_order(pixels, strip), scan_order(golden, strip)
     if written is not None:
         np.testing.assert_array_equal(stored_picture(pixels[:written - 1]), golden[:written - 1])
@@ -231,7 +231,7 @@ def test_pixels_per_clock_that_there_are_not():
         Hardware(lanes=3)
 
 
-def test_a_host_is_told_that_colours_would_be_lost():
+def test_a_host_reads_that_colours_would_be_lost():
     with pytest.raises(InputError, match="the format is Mono8, which needs a grey sensor"):
         host_values(camera(), Hardware(format="Mono8"))
 

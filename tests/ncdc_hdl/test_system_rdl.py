@@ -54,7 +54,7 @@ def test_peakrdl_accepts_the_file(folder):
     assert all(f"<ipxact:name>{r.name}<" in (folder / "ncdc.xml").read_text() for r in ROWS)
 
 
-def test_registers_in_one_place_are_not_accepted(folder, tmp_path):
+def test_registers_at_one_address_are_not_accepted(folder, tmp_path):
     """The compiler's silence above means something."""
     text = (folder / "ncdc.rdl").read_text().replace("} STATUS @ 0x0010", "} STATUS @ 0x000C")
     (tmp_path / "wrong.rdl").write_text(text)

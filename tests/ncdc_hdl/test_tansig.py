@@ -1,4 +1,4 @@
-"""Tan-sigmoid: golden model against exact values, gateware against the golden model."""
+"""Tan-sigmoid: golden model compared with exact values, gateware with the golden model."""
 
 import mpmath
 import numpy as np

@@ -88,7 +88,7 @@ def flipped(verilog):
 
 @pytest.mark.longer
 def test_another_frame(net, tmp_path):
-    """Of a file; one of another size is refused, and nothing is written."""
+    """A file replaces the frame; one of another size is rejected, and nothing is written."""
     raw = np.random.default_rng(2).integers(0, 256, (20, 32), np.uint8)
     cv2.imwrite(str(tmp_path / "raw.png"), raw)
     out = tmp_path / "out"

@@ -1,4 +1,4 @@
-"""The TMDS encoder against a decoder and an algorithm, both written from the DVI specification."""
+"""The TMDS encoder, a decoder and an algorithm, both written from the DVI specification."""
 
 import numpy as np
 import pytest
@@ -88,8 +88,10 @@ def test_every_word_is_the_specifications(seed):
 
 
 def test_a_receiver_can_live_on_it():
-    """Of a picture's words few bits change, and as many are ones as zeros, nearly; a control word
-    changes more often than any of them."""
+    """Few bits of a picture's words change, and about as many are ones as zeros.
+
+    A control word changes more often than any of them.
+    """
     items = [(1, int(byte)) for byte in np.random.default_rng(3).integers(0, 256, 2000)]
     words = encoded(items)
     changes = [sum(a != b for a, b in zip(word, word[1:9])) for word in words]

@@ -18,7 +18,7 @@ COUNTERS = {(f"{queue}.{counter}_gry", f"{queue}.{name}_cdc.stage0") for queue i
 # A word is read when the counter that has passed it has crossed.
 MEMORIES = {(f"{queue}.storage", f"{queue}.r_data") for queue in QUEUES}
 # At once, not with an edge; their ends go through both flops.
-RESETS = {(source, f"{place}.stage{k}") for k in (0, 1) for source, place in (
+RESETS = {(source, f"{register}.stage{k}") for k in (0, 1) for source, register in (
     ("rst", "reset"), ("reset.stage1", "from_host.rst_cdc"),
     ("rst", "to_host.unbuffered.rst_cdc"))}
 # Amaranth's queue has a level for its writer, with logic before a synchroniser. We do not use it.
@@ -51,7 +51,7 @@ def test_every_crossing_is_a_known_one(chip):
     assert all(c.direct for c in clocks.crossings() if c.sink in OUTPUTS)
 
 
-def test_nobody_reads_what_has_logic_before_its_synchroniser():
+def test_nothing_reads_what_has_logic_before_its_synchroniser():
     clocks = clocks_of(UsbFifo(FT232H))
     assert clocks.readers(f"{UNUSED}.stage0") == {f"{UNUSED}.stage1": True}
     assert clocks.readers(f"{UNUSED}.stage3") == {}

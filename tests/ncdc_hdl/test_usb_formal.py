@@ -17,7 +17,7 @@ class Believes(FifoBus):
 
 
 class Fills(FifoBus):
-    """Reads on without room."""
+    """Reads on without space."""
 
     def elaborate(self, platform):
         m = super().elaborate(platform)
@@ -37,7 +37,7 @@ class Drives(FifoBus):
 
 PLANTED = {
     "a word that the chip did not take": (Believes, "as_many"),
-    "words without room": (Fills, "room"),
+    "words without space": (Fills, "space"),
     "a bus that is driven for too long": (Drives, "rest"),
 }
 
@@ -49,7 +49,7 @@ def test_holds(tmp_path):
 
 def test_is_reached(tmp_path):
     assert run(UsbBus(), tmp_path, mode="cover", depth=20) == (
-        PASS, {"paused", "read_behind_writes", "write_behind"})
+        PASS, {"paused", "read_after_writes", "write_after"})
 
 
 @pytest.mark.parametrize("bus,rule", PLANTED.values(), ids=PLANTED)

@@ -71,7 +71,7 @@ def test_every_word_keeps_every_bit_and_each_its_own(share):
 
 
 @pytest.mark.parametrize("r", STORED, ids=lambda r: r.name)
-def test_a_committed_word_refuses_writes(r):
+def test_a_committed_word_rejects_writes(r):
     async def bench(ctx, dut, host):
         before = VALUES[r.name] & 0xFFFFFFFF
         await control(ctx, host, CTRL_START)
@@ -92,7 +92,7 @@ def test_a_committed_word_refuses_writes(r):
 @pytest.mark.longer
 @pytest.mark.parametrize("share,seed", [
     (3, 2), *(pytest.param(2, seed, marks=pytest.mark.regress) for seed in (1, 3, 4))])
-def test_random_host_against_the_contract(share, seed):
+def test_random_host_and_the_contract(share, seed):
     """What a frame sees is constant while it runs and a whole set as it was when committed, word by
     word in every clock; the host's set is what it wrote, whatever is copied meanwhile."""
     dut = Dut(share)
@@ -117,9 +117,9 @@ def test_random_host_against_the_contract(share, seed):
             assert shown == {name: active[name] for name in shown}
         ctx.set(registers.bus.write, 0)
         host = Host(ctx, registers.bus)
-        for name, value in contract.kept.items():
+        for name, value in contract.held.items():
             assert await host.read(BY_NAME[name].address) == value & 0xFFFFFFFF, name
-        assert contract.commits > 10 and contract.refused and contract.waits > 100
+        assert contract.commits > 10 and contract.rejected and contract.waits > 100
 
     run_bench(dut, bench)
 
@@ -170,7 +170,7 @@ def test_one_word_of_a_later_set_changes_only_that():
     run_bench(dut, bench)
 
 
-def test_a_frame_begins_in_the_clock_behind_the_last_one():
+def test_a_frame_begins_in_the_clock_after_the_last_one():
     """With a commit, as soon as the copy of the one before is over."""
     async def bench(ctx, dut, host):
         await control(ctx, host, CTRL_START)

@@ -1,4 +1,4 @@
-"""Window address: gateware against the golden model, over the image's edges."""
+"""Window address: gateware compared with the golden model, over the image's edges."""
 
 from dataclasses import replace
 
@@ -27,7 +27,7 @@ def points(rng):
 
 
 def missing(first, size, needs):
-    """How many columns, or rows, of a window are outside, and whether they are behind."""
+    """How many columns, or rows, of a window are outside, and whether they are after."""
     outside = [k for k in range(first - needs.margin, first + needs.after + 1)
                if not 0 <= k < size]
     return len(outside), bool(outside and outside[0] > 0)
@@ -63,13 +63,13 @@ def test_equals_model(needs, gap, stall):
             for edge, first, size in ((out.edge_x, x0[k], G.distorted_width),
                                       (out.edge_y, y0[k], G.distorted_height)
                                       ) if needs.margin else ():
-                count, behind = missing(int(first), size, needs)
-                assert edge.missing == count and (not count or edge.after == behind), item
+                count, after = missing(int(first), size, needs)
+                assert edge.missing == count and (not count or edge.after == after), item
     assert 100 < inside.sum() < len(items) - 100
 
 
 def test_edges_keep_their_pixels_and_beyond_is_blank():
-    """A source on the edge's own samples is kept; one more than a pixel outside is not."""
+    """A source on the edge's own samples is valid; one more than a pixel outside is not."""
     one = 1 << Q.f_bits
     for size, axis in ((G.distorted_width, 0), (G.distorted_height, 1)):
         for value, inside, origin in ((-one // 2 - 1, False, 0), (-one // 2, True, 0),

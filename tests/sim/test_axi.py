@@ -1,4 +1,4 @@
-"""Whole frames through AXI: pixels, rules of the buses, clocks beside Avalon's, resets."""
+"""Whole frames through AXI: pixels, rules of the buses, clocks compared with Avalon's, resets."""
 
 from functools import cache
 
@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from cameras import barrel_descriptor
-from ncdc_hdl import corrector as corrector_room
+from ncdc_hdl import corrector as corrector_module
 from ncdc_hdl.avalon.burst_writer import BurstWriter
 from ncdc_hdl.axi import top
 from ncdc_hdl.axi.read_bridge import ReadBridge
@@ -125,7 +125,7 @@ def test_a_planted_error_is_found(fault, rule, monkeypatch):
     the multiport fetcher alone, as tiles are aligned."""
     name = "multiport" if fault == "reads" else "memory"
     if fault == "announced":
-        monkeypatch.setattr(corrector_room, "BurstWriter", Announced)
+        monkeypatch.setattr(corrector_module, "BurstWriter", Announced)
     else:
         kind = {"reads": ReadBridge, "writes": WriteBridge}[fault]
         monkeypatch.setattr(top, kind.__name__, type(kind.__name__, (Crossing, kind), {}))
@@ -138,7 +138,7 @@ def test_a_planted_error_is_found(fault, rule, monkeypatch):
 
 @regress
 @pytest.mark.parametrize("port", ["write", "read"])
-def test_an_error_of_the_memory_is_told(port):
+def test_an_error_of_the_memory_is_reported(port):
     """FAULT.MEMORY, with the answer that is the fifth; 0 without one."""
     corrector, verilog = built("memory")
     other = "axi_read_memory" if port == "write" else "axi_write_memory"
@@ -146,13 +146,13 @@ def test_an_error_of_the_memory_is_told(port):
     verilog = head + name + tail.replace("axi_fail=%d", "no_fail=%d", 1)
     d, g = corrector.descriptor, corrector.descriptor.geometry
     [fault] = [r for r in registers(2, d.formats) if r.name == "FAULT"]
-    places = FrameAddresses.after_reset(g, corrector.hardware.data_width)
+    buffers = FrameAddresses.after_reset(g, corrector.hardware.data_width)
     program = corrector_program(d, corrector.hardware, checked=False).read(fault.address)
-    told = [simulate_frame(verilog, raw_image(noise(), places.pitch), program,
-                           source_base=places.source, output_base=places.target,
-                           output_bytes=frame_bytes(g), more=more, simulator="icarus"
-                           ).registers[fault.address] for more in ((), ("+axi_fail=5",))]
-    assert told == [0, FAULT_MEMORY]
+    faults = [simulate_frame(verilog, raw_image(noise(), buffers.pitch), program,
+                             source_base=buffers.source, output_base=buffers.target,
+                             output_bytes=frame_bytes(g), more=more, simulator="icarus"
+                             ).registers[fault.address] for more in ((), ("+axi_fail=5",))]
+    assert faults == [0, FAULT_MEMORY]
 
 
 @pytest.mark.longer
@@ -160,7 +160,7 @@ def test_an_error_of_the_memory_is_told(port):
     ("memory", 3, "icarus", False),
     *(pytest.param(name, 100, "verilator", forgets, marks=regress)
       for name in BUILDS for forgets in (True, False))])
-def test_the_frame_behind_a_reset_is_right(name, frames, simulator, forgets):
+def test_the_frame_after_a_reset_is_right(name, frames, simulator, forgets):
     corrector, verilog = built(name)
     result = simulate_resets(corrector, verilog, [noise(), noise()[::-1]], frames, forgets=forgets,
                              longest=900, memory="hostile", more=ROUGH, simulator=simulator,

@@ -162,14 +162,14 @@ def test_tshark_knows_every_frame(whole, tmp_path):
 
 
 def test_a_chip_that_is_not_set_up_is_not_understood(bench, tmp_path, monkeypatch):
-    """Its clock to us comes with the data, if nobody tells it to be late."""
+    """Its clock to us comes with the data, unless it is configured to be late."""
     changed_firmware(tmp_path, monkeypatch, *RECEIVED_LATE[bench.design.board.name])
     result = run(bench, BEGINS_US + 1000, asked()[:2])
     assert result.results["ethernet_resets"] == 1 and result.sent == []
 
 
 def test_a_clock_that_is_sent_with_the_data_is_seen(bench, tmp_path, monkeypatch):
-    """Of the device on the one board, of the chip on the other."""
+    """The device sends that clock on one board, the chip on the other."""
     if bench.design.board.ethernet.delays:
         changed_firmware(tmp_path, monkeypatch, "BY_CHIP(0x0200)", "0")
     else:

@@ -46,13 +46,13 @@ def packets(block, picture):
     return [one.ljust(60, b"\0") for one in (headers.leader, *parts, trailer)]
 
 
-def record(frames, near=(), wrong=(), spoiled=()):
-    """A record of ``hdl/network_bench.v``; ``near``: frames that come too soon behind the one
-    before, ``wrong``: those that were told to be, ``spoiled``: those with another check
+def record(frames, near=(), wrong=(), corrupted=()):
+    """A record of ``hdl/network_bench.v``; ``near``: frames that come too soon after the one
+    before, ``wrong``: those that were made so, ``corrupted``: those with another check
     sequence."""
     made, now = b"", 100
     for k, frame in enumerate(frames):
-        check = zlib.crc32(frame) ^ (k in spoiled)
+        check = zlib.crc32(frame) ^ (k in corrupted)
         data = bytes([0x55] * 7 + [0xD5]) + frame + check.to_bytes(4, "little")
         made += struct.pack(">IIHH", now, now + len(data), len(data), k in wrong) + data
         now += len(data) + GAP_CLOCKS - (k + 1 in near)
@@ -79,8 +79,8 @@ def test_pictures_that_come_whole(stream):
 
 
 @pytest.mark.parametrize("fault", [
-    {"near": {2}}, {"wrong": {2}}, {"spoiled": {2}}])
-def test_a_frame_that_breaks_is_told(stream, fault):
+    {"near": {2}}, {"wrong": {2}}, {"corrupted": {2}}])
+def test_a_frame_that_breaks_is_reported(stream, fault):
     pictures, frames = stream
     seen = line_frames(record(frames, **fault))
     assert [k for k, frame in enumerate(seen) if not frame.whole] == [2]
@@ -113,7 +113,7 @@ def test_too_few_pictures_are_no_rate(stream):
 
 @cache
 def model():
-    """Of small pictures, corrected in strips."""
+    """A board with its network that corrects small pictures in strips."""
     device = board("de2-115")
     return NetworkModel(device, barrel_descriptor(SIZE, SIZE, hidden_neurons=2),
                         hardware=replace(hardware_for(device), strip=64), optimise="-O1")

@@ -27,13 +27,13 @@ def lit_at(run, us):
 
 
 def test_an_unplugged_sensor_comes_back_by_itself(bench):
-    """Gone for two seconds, as the watch counts them: a light meanwhile, and a picture again within
+    """Gone for two seconds, as the watch counts them: an LED meanwhile, and a picture again within
     two seconds."""
     gone, back = 8000, 8000 + 2 * SECOND_US
     run = bench.run(back + 2 * SECOND_US, optimise="-O1", events=unplugged_at(
         gone, 2 * SECOND_US))
     assert lit_at(run, gone) & 7 == READY | SET_UP
-    # A second without a frame, and a bit: the set-up runs and gets no answer.
+    # A second without a frame, and a bit: the initialisation runs and gets no answer.
     assert lit_at(run, back) & 7 == READY | TROUBLE
     assert lit_at(run, back + 2 * SECOND_US) & 7 == READY | SET_UP
     # The sensor began its frames anew, and the screen shows a golden one of those at the end.
@@ -47,13 +47,13 @@ def test_an_unplugged_sensor_comes_back_by_itself(bench):
 
 
 def test_without_a_watch_the_screen_stands_still(bench):
-    """The old fault: nobody sets the sensor up again."""
+    """The old fault: nothing configures the sensor again."""
     gone, back = 8000, 8000 + 2 * SECOND_US
-    kept = bench.design
-    bench.design = replace(kept, times=replace(kept.times, watch_us=1_000_000))
+    unchanged = bench.design
+    bench.design = replace(unchanged, times=replace(unchanged.times, watch_us=1_000_000))
     run = bench.run(back + 2 * SECOND_US, optimise="-O1", events=unplugged_at(
         gone, 2 * SECOND_US))
-    bench.design = kept
+    bench.design = unchanged
     numbers = bench.shown(run)
     assert len(set(numbers[len(numbers) // 2:])) == 1
 
@@ -84,7 +84,7 @@ def test_not_one_access_comes_before_the_data_sheets_time(true):
 
 
 def test_the_times_that_boards_had_are_too_short(true):
-    """2 ms and 2 ms: the model refuses, and counts."""
+    """2 ms and 2 ms: the model rejects, and counts."""
     true.design = replace(true.design, times=Times(2000, 2000))
     run = true.run(10_000, optimise="-O1")
     assert run.early > 0

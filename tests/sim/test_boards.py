@@ -71,7 +71,7 @@ def test_the_screen_shows_the_golden_models_frames(name, request):
     events = request_at(7500, host.request(ID_OFFSET))
     enable = next(r.address for r in bench.design.system.table if r.name == "CAMERA_IRQ_ENABLE")
     accesses = ((READ, 0, 0, ID), (WRITE, enable, 0x15, 0x15), (READ, enable, 0, 0x15))
-    if name in QUARTUS:     # and a host at the scan chain, which writes one too
+    if name in QUARTUS:     # and a host at the JTAG port, which writes one too
         events |= scans_at(7500, [scan for tag, (kind, address, word, _) in enumerate(accesses)
                                   for scan in (jtag_message(kind, tag, address, word), 0, 0)])
     run = bench.run(9000, optimise="-O1", events=events)
@@ -90,7 +90,7 @@ def test_the_screen_shows_the_golden_models_frames(name, request):
 
 @pytest.mark.regress
 def test_the_screen_shows_the_whole_field():
-    """The set-up program has the sensor skip and bin, and capture even the grid."""
+    """The initialisation program has the sensor skip and bin, and capture even the grid."""
     bench = Bench("ulx3s", SMALL, (WIDTH, HEIGHT), field="full")
     plan, crop = bench.sensor
     assert plan.settings.skip == 7 and plan.settings.bins > 1 and crop.weight
@@ -102,7 +102,7 @@ def test_the_screen_shows_the_whole_field():
 
 @pytest.mark.regress
 def test_buttons_choose_lens_and_raw_picture(small):
-    """The next frame behind a press has another lens, whole; frames before are the first lens's."""
+    """The next frame after a press has another lens, whole; frames before are the first lens's."""
     run = small.run(60_000, events={"press_following_us": 12_000, "press_raw_us": 36_000,
                                     "hold_us": 15_000})
     check(small, run)
@@ -167,7 +167,7 @@ def test_pins_may_be_fast_or_slow(out_ps, back_ps):
     *((name, "640x480", 190) for name in ("ulx3s", *QUARTUS[:2])), ("de2-115", "1280x720", 350),
     ("ulx3s", "1280x720@20", 700)])
 def test_a_whole_screen(name, mode, run_ms):
-    """As large as the mode, beside a camera and a corrector at work."""
+    """As large as the mode, with a camera and a corrector at work."""
     mode = mode_named(mode)
     bench = Bench(name, mode, mode.size, frames=4,
                   hardware=replace(hardware_for(board(name)), strip=256))

@@ -1,7 +1,7 @@
 """The tile cache on random windows, where tiles replace each other all the time.
 
-The bench counts wrong windows, and stops at a read of a wrong tile, a violation of the protocol or
-a hang. Each guard against a hazard is taken out once, which must be seen.
+The bench counts wrong windows, and stops at a read of a wrong tile, a breach of protocol or a
+hang. Each guard against a hazard is taken out once, which must be seen.
 """
 
 from dataclasses import replace
@@ -61,7 +61,7 @@ GUARDS = {
     "interlock": (Interlock, "_in_flight", lambda since, before, wrapped: Const(0)),
     "tokens": (Retire, "_enough", lambda balance: balance >= -1),
     "credit": (Fills, "_credit", lambda outstanding, most: outstanding != most + 1),
-    "clear": (Tags, "_last", lambda place: Const(0)),
+    "clear": (Tags, "_last", lambda position: Const(0)),
     "stale": (ReadCommands, "_nothing_due", lambda read, due: ~read),
 }
 
@@ -73,7 +73,7 @@ def test_each_guard_is_needed(guard, monkeypatch):
     assert isinstance(vars(owner)[name], staticmethod)
     monkeypatch.setattr(owner, name, staticmethod(without))
     try:
-        # Which windows meet the error is chance: another seed, if the first meets none.
+        # Which windows meet the error is random: another seed, if the first meets none.
         wrong = next((wrong for seed in (2, 4) if (wrong := stress_cache(
             Cache(F, 128, SMALL), groups=40000, resets=160, seed=seed)["wrong"])), 0)
     except SimulationError as error:

@@ -1,4 +1,4 @@
-"""Verilog of each block under both simulators, against the golden model.
+"""Verilog of each block under both simulators, compared with the golden model.
 
 A design is compiled once per simulator; gaps, stalls, waits and latencies are settings of a run.
 """

@@ -1,4 +1,4 @@
-"""Whole frames with white balance and tone: the generated Verilog against the golden model."""
+"""Whole frames with white balance and tone: the generated Verilog equals the golden model."""
 
 import numpy as np
 import pytest
@@ -95,7 +95,7 @@ def test_a_planted_error_is_found(right, wrong, pixels, sums):
 
 def test_a_host_balances_the_next_frame_while_one_runs():
     """The frame that runs keeps its colours, the next one has the gains of a host that knows the
-    sums, and DIGEST still tells of the lens."""
+    sums, and DIGEST still identifies the lens."""
     d, hardware = camera(), Hardware(colour=True)
     raw, golden = noise(d), correct(d, noise(d))
     balanced = Colour(grey_world((3, 5, 4)), tone_named("gamma:2.2"))

@@ -54,7 +54,7 @@ class Bus(wiring.Component):
 
 
 def window(period):
-    """The time before and behind an edge that is too near: together nine tenths of the faster
+    """The time before and after an edge that is too near: together nine tenths of the faster
     clock's period. What is left is one bit of a Gray counter in it at most."""
     return min(period, CORE) * 45 // 100
 
@@ -95,7 +95,7 @@ def test_capture_with_nearly_equal_clocks():
 def test_capture_at_any_ratio(ratio, seed, simulator):
     found = synchronisers(captured(PERIODS[ratio], seed, simulator))
     # The time about an edge is a ninth of the core's clock at 8:1, and `active` changes seldom. A
-    # slow sensor's queue is read some clocks behind its edge, seldom near the next one.
+    # slow sensor's queue is read some clocks after its edge, seldom near the next one.
     assert "produce_cdc" in found
     assert "active" in found or ratio == "8:1"
     assert "consume_cdc" in found or ratio == "1:8"

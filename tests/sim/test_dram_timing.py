@@ -24,7 +24,7 @@ def beats(memory, reads, writes=(), *, width=32, clocks=150, simulator="icarus",
     return json.loads(re.search(r"BEATS (.*)", log)[1])["beats"]
 
 
-# Times below: a command taken at clock t is placed at t + 3 by the sdram's controller; the memory
+# Times below: the sdram's controller schedules a command taken at clock t at t + 3. The memory
 # has the first command at t + 4, and a read's word is on the port 4 clocks after the read.
 @pytest.mark.parametrize("simulator", SIMULATORS)
 def test_sdram_reads(simulator):
@@ -56,7 +56,7 @@ def test_sdram_ports_take_turns():
 @pytest.mark.parametrize("look_ahead,lost", [(1, 1), (2, 0), (4, 0)])
 def test_look_ahead_hides_the_rows(look_ahead, lost):
     # Bursts of 8 words, each from another bank and a row that is not open, without a pause. With
-    # look_ahead 1 an access is placed when the one before it is read: precharge 1 clock later,
+    # look_ahead 1 an access is scheduled when the one before it is read: precharge 1 clock later,
     # activate 3, read 5, of which the data of that one hides 4.
     reads = [[0, 20, 0, 1], [0, 20, 4096, 1], [0, 20, 8192, 1], [0, 20, 12288, 1]]
     reads += [[0, 60, SDRAM_ROW + 4096 * bank, 8] for bank in range(4)]
@@ -68,7 +68,7 @@ def test_sdram_turnaround():
     memory = replace(sdram(), write_batch=1)
     got = beats(memory, [
         [0, 20, 0, 1],
-        [0, 41, 0, 1],                  # the write at 44 delays the read behind it by nothing
+        [0, 41, 0, 1],                  # the write at 44 delays the read after it by nothing
         # Read 64; write 69 (bus turned); read 70.
         [0, 60, 0, 1], [0, 61, 4, 1],
         # A write to the open row, 84; another row: precharge 87, activate 89, read 91.
@@ -99,11 +99,11 @@ def test_sdram_refresh():
 
 @pytest.mark.parametrize("width", [32, 128])
 def test_ddr3_reads(width):
-    """At 4 memory clocks per clock: T = 4 clock + 4 when a command is placed, 12 after taken."""
+    """At 4 memory clocks per clock: T = 4 clock + 4 when a command is scheduled, 12 after taken."""
     row = DDR3_ROW
     one = 16 * 8 // width               # words of an access
     got = beats(ddr3(), [
-        [0, 20, 0, 1],                  # placed 32: T + 1 activate, + 6 read, + 10 data: 17 more
+        [0, 20, 0, 1],                  # scheduled 32: T + 1 activate, + 6 read, + 10 data: 17 more
         [0, 50, 16, one],               # open: data at T + 11; a narrow port takes 4 clocks
         [0, 80, row, 1],                # precharge T + 1, + 6 activate, + 6 read, + 10: T + 23
         # Two rows of one bank: activate T + 1, read T + 7; precharge T + 16 (ras), activate
@@ -114,7 +114,7 @@ def test_ddr3_reads(width):
 
 
 def test_ddr3_turnaround():
-    # The write is placed at 52, T + 1; the read behind it 13 clocks later, T + 14, data T + 24.
+    # The write is scheduled at 52, T + 1; the read after it 13 clocks later, T + 14, data T + 24.
     memory = replace(ddr3(), write_batch=1)
     got = beats(memory, [[0, 20, 0, 1], [0, 41, 0, 1]], [[0, 40, 16, 1]], width=128)[0]
     assert got == [37, 58]
@@ -122,13 +122,13 @@ def test_ddr3_turnaround():
 
 def test_ddr3_four_activates():
     # Five closed banks: activates at T + 1, + 5, + 9, + 13 (rrd), the fifth at + 21 (faw), if no
-    # read takes its place; reads 6 later. One place further where the bus has a command.
+    # read takes its slot; reads 6 later. One slot further where the bus has a command.
     got = beats(ddr3(), [[0, 20, 2048 * bank, 1] for bank in range(5)], width=128)[0]
     assert got == [37, 38, 39, 40, 42]
 
 
 def test_ddr3_at_150_mhz():
-    # 8/3 memory clocks per clock: taken 20, placed 36, T = floor(37 * 8/3) = 98; data 98 + 17 =
+    # 8/3 memory clocks per clock: taken 20, scheduled 36, T = floor(37 * 8/3) = 98; data 98 + 17 =
     # 115, which is T at (clock + 1) * 8/3 >= 115: clock 43.
     assert beats(ddr3(150), [[0, 20, 0, 1]], width=128)[0] == [43]
 

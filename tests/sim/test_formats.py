@@ -66,7 +66,7 @@ def check(simulation, descriptor, form):
 @pytest.mark.parametrize("form", FORMATS)
 @pytest.mark.parametrize("strip,memory", [(0, "hostile"), (32, "hostile"), (64, "sdram")])
 def test_frames_of_a_grey_sensor(data_width, lanes, form, strip, memory):
-    """A width that is no multiple of the word, nor of a strip; a memory that refuses half of the
+    """A width that is no multiple of the word, nor of a strip; a memory that rejects half of the
     time."""
     hardware, _, verilog = built(data_width, lanes)
     descriptor = camera((100 + lanes, 40))
@@ -91,12 +91,12 @@ def predicted(corrector, hardware, memory):
     """Clocks that the planner promises ``corrector``, registers set as ``hardware``."""
     descriptor, timing = corrector.descriptor, corrector.timing
     geometry, memory = descriptor.geometry, memory_timing(memory)
-    places = FrameAddresses.after_reset(geometry, hardware.data_width)
+    buffers = FrameAddresses.after_reset(geometry, hardware.data_width)
     boxes = lookups(frame_windows(descriptor), hardware.strip, hardware.lanes)
     missed = misses(accesses(boxes), hardware.cache, hardware.split)
-    writes = frame_writes(geometry, hardware, getattr(memory, "access_bytes", 1), places.target,
+    writes = frame_writes(geometry, hardware, getattr(memory, "access_bytes", 1), buffers.target,
                           timing)
-    return predict_clocks(missed, boxes, hardware, memory, timing, places, writes).clocks
+    return predict_clocks(missed, boxes, hardware, memory, timing, buffers, writes).clocks
 
 
 @pytest.mark.parametrize("data_width,lanes", [
@@ -118,11 +118,11 @@ def test_the_planner_knows_the_format(data_width, lanes, form, strip, memory):
         predicted(corrector, hardware, memory), rel=.01)
 
 
-@pytest.mark.parametrize("bayer,code,refused", [
+@pytest.mark.parametrize("bayer,code,rejected", [
     ("GRBG", 2, True), ("MONO", 3, True), ("GRBG", 3, True), ("MONO", 2, False),
     ("GRBG", 1, False)])
-def test_a_format_that_loses_colours_is_refused(bayer, code, refused):
-    """Nothing is written, FAULT tells why; the next frame is not refused for that."""
+def test_a_format_that_loses_colours_is_rejected(bayer, code, rejected):
+    """Nothing is written, FAULT states why; the next frame is not rejected for that."""
     hardware, corrector, verilog = built(*QUICK)
     descriptor = camera((40, 16), bayer)
     values = host_values(descriptor, hardware)
@@ -139,6 +139,6 @@ def test_a_format_that_loses_colours_is_refused(bayer, code, refused):
         output_base=values["TARGET_BASE"], output_bytes=frame_bytes(descriptor.geometry))
     faults = [value for address, value in result.reads if address == rows["FAULT"]]
     flags = [value & STATUS_ABORTED for address, value in result.reads if address == rows["STATUS"]]
-    assert faults == [FAULT_FORMAT * refused, 0]
-    assert [bool(flag) for flag in flags] == [refused, False]
-    assert result.outputs[0] == (0 if refused else 40 * 16 * {1: 3, 2: 1}[code])
+    assert faults == [FAULT_FORMAT * rejected, 0]
+    assert [bool(flag) for flag in flags] == [rejected, False]
+    assert result.outputs[0] == (0 if rejected else 40 * 16 * {1: 3, 2: 1}[code])

@@ -60,7 +60,7 @@ def test_latency_is_exact(latency):
 
 
 @pytest.mark.parametrize("bytes_per_clock", [3.5, 1.0, 0.25])
-def test_bandwidth_is_kept(bytes_per_clock):
+def test_bandwidth_is_met(bytes_per_clock):
     result = copy(copier(), memory=LatencyMemory(bytes_per_clock=bytes_per_clock))
     # Before the start two beats are saved up; each burst idles a clock or two at its turns.
     least = (2 * WORDS - 2) * 4 / bytes_per_clock - 1
@@ -88,7 +88,7 @@ def test_faults_are_named(fault, stream, message, simulator):
              simulator=simulator, sink_probability=128, clock_limit=4000)
 
 
-def test_output_nobody_wrote_is_seen():
+def test_output_that_was_not_written_is_seen():
     result = copy(copier(), output_bytes=4 * WORDS + 16)
     assert result.output[-16:] == bytes([0xA5] * 16)
 
@@ -99,8 +99,8 @@ def test_access_beyond_the_memory():
              .write(3, 1).wait_irq())
 
 
-def test_two_frames_of_other_places():
-    """Registers written between two frames: each goes from its own source to its own place."""
+def test_two_frames_of_other_buffers():
+    """Registers written between two frames: each goes from its own source to its own buffer."""
     half = WORDS // 2
     steps = program(half)
     steps.write(0, SOURCE + 4 * half).write(1, OUTPUT + 4 * half).write(3, 1).wait_irq()

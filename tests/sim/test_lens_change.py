@@ -53,13 +53,12 @@ def test_twenty_frames_of_two_lenses(fetcher, output, memory, intruder):
 
 
 def three_frames(fault, monkeypatch):
-    """Of a corrector that takes some of the host's writes at once, without waiting for the commit.
-    """
-    def take_over(self, m, when, kept):
+    """Three frames of a corrector that takes some of the host's writes without a commit."""
+    def take_over(self, m, when, held):
         for name, _ in self.active.shape():
             torn = fault == name or fault == "all of the network" and "PUT_" in name
             with m.If(torn | when):
-                m.d.sync += self.active[name].eq(kept[name])
+                m.d.sync += self.active[name].eq(held[name])
 
     monkeypatch.setattr(Registers, "_take_over", take_over)
     pair = cameras((48, 40), (56, 44))
@@ -77,8 +76,8 @@ def test_a_tear_is_seen(fault, monkeypatch):
 
 
 @pytest.mark.regress
-def test_a_torn_place_is_a_fault(monkeypatch):
-    """The frame's rows are then outside its place: bit 7 of STATUS is more than was expected."""
+def test_a_torn_address_is_a_fault(monkeypatch):
+    """The frame's rows are then outside its buffer: bit 7 of STATUS is more than was expected."""
     with pytest.raises(SimulationError, match="register-compare word 4 reads 000000a1 instead of "
                                               "00000021"):
         three_frames("SOURCE_BASE", monkeypatch)

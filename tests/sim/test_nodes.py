@@ -128,7 +128,7 @@ def test_the_distance_is_shown_to_the_host():
     assert "every" not in verilog_of(plain).split("module")[0]
 
 
-def test_lenses_of_other_nodes_or_too_curved_for_them_are_refused():
+def test_lenses_of_other_nodes_or_too_curved_for_them_are_rejected():
     d = at_nodes(8, (320, 60))
     corrector = Corrector(d)
     check_lens(corrector, "net.toml", d)
@@ -141,7 +141,7 @@ def test_lenses_of_other_nodes_or_too_curved_for_them_are_refused():
         check_lens(corrector, "curved.toml", curved)
 
 
-def test_hidden_neurons_that_follow_the_scan_are_refused():
+def test_hidden_neurons_that_follow_the_scan_are_rejected():
     with pytest.raises(InputError, match="hidden is raster, a network at every 16th pixel needs "
                                          "multiply"):
         Corrector(at_nodes(16), Hardware(hidden="raster"))

@@ -72,7 +72,7 @@ def check_rate(rates, packets, capacity):
     assert [int(payload) for payload in re.findall(r"RATE (\d+)", log)] == rates
 
 
-def test_a_gigabit_port_is_never_kept_waiting():
+def test_a_gigabit_port_never_waits():
     check_rate([1456], packets=12, capacity=3840)
 
 
@@ -95,12 +95,12 @@ def test_a_packet_that_begins_too_early_is_found(monkeypatch):
 
 
 class Crowded(Packetiser):
-    """A planted error: two packets at a time, whether or not the queue has room for them."""
+    """A planted error: two packets at a time, whether or not the queue has space for them."""
 
     def _pair(self):
         return self.capacity
 
 
-def test_packets_without_room_are_found():
+def test_packets_without_space_are_found():
     with pytest.raises(SimulationError, match="failed: mraw"):
         run(32, packetiser=Crowded, stall=0.9, frames=1)

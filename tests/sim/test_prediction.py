@@ -1,4 +1,4 @@
-"""The planner's prediction against the Verilog: misses exactly, clocks within 1 %, or to a few."""
+"""The planner predicts the Verilog: misses exactly, clocks within 1 %, or to a few."""
 
 from dataclasses import replace
 from itertools import combinations
@@ -34,12 +34,12 @@ def predicted(corrector, hardware, memory):
     descriptor, timing = corrector.descriptor, corrector.timing
     geometry, memory = descriptor.geometry, memory_timing(memory)
     hardware = hardware.made_for(descriptor)
-    places = FrameAddresses.after_reset(geometry, hardware.data_width)
+    buffers = FrameAddresses.after_reset(geometry, hardware.data_width)
     boxes = lookups(frame_windows(descriptor), hardware.strip, hardware.lanes)
     missed = misses(accesses(boxes), hardware.cache, hardware.split_for(geometry))
     writes = None if hardware.stream else frame_writes(
-        geometry, hardware, getattr(memory, "access_bytes", 1), places.target, timing)
-    return len(missed), predict_clocks(missed, boxes, hardware, memory, timing, places,
+        geometry, hardware, getattr(memory, "access_bytes", 1), buffers.target, timing)
+    return len(missed), predict_clocks(missed, boxes, hardware, memory, timing, buffers,
                                        writes)
 
 
@@ -183,7 +183,7 @@ def prepared_small():
 
 
 def unrefreshed(memory):
-    """A memory without refresh: how far off the next one is when a frame starts nobody knows, and
+    """A memory without refresh: how far off the next one is when a frame starts is unknown, and
     the clocks of a small frame depend on it, by up to 17."""
     return replace(memory_timing(memory), refresh_interval=1 << 30)
 
@@ -194,5 +194,5 @@ def unrefreshed(memory):
     ids=["ideal", "fixed", "slow", "far", "sdram", "ddr3"])
 def test_the_latency_is_that_of_the_memory(prepared_small, memory):
     """The first tiles wait for the first look-up to be read, see the interlock: that takes a
-    latency of the memory, and so do the windows behind them."""
+    latency of the memory, and so do the windows after them."""
     check_small(prepared_small, memory)

@@ -1,4 +1,4 @@
-"""Whatever a host writes: nothing outside the places, no unaligned address, no hang."""
+"""Whatever a host writes: nothing outside the buffers, no unaligned address, no hang."""
 
 from functools import cache
 

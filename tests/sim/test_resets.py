@@ -60,8 +60,8 @@ def test_the_next_frame_is_right(name, forgets, memory):
 @pytest.mark.longer
 @pytest.mark.parametrize("tied_to,forgets", [("1'b0", True), ("rst", False)])
 def test_the_corrector_must_know_what_its_memory_does(tied_to, forgets):
-    """Not told that its memory forgot, it hangs; told so of a memory that answers, it breaks a
-    command off, and shows samples of the frame before."""
+    """Without a signal that its memory forgot, it hangs. With one from a memory that answers, it
+    breaks a command off, and shows samples of the frame before."""
     corrector, verilog = built("cache, memory")
     wrong = verilog.replace(".memory_rst(memory_rst)", f".memory_rst({tied_to})")
     try:

@@ -23,7 +23,7 @@ def plan_of(**asked):
 
 
 def slope(a, b):
-    """Light that rises to the left, so that at each place it rises with what moves to the right."""
+    """Light that rises to the left, so that at each point it rises with what moves to the right."""
     return np.repeat((100 - 20 * a)[..., None], 3, axis=2)
 
 

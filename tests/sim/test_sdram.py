@@ -44,7 +44,7 @@ BUSY = [Host(ANYWHERE, 60, 1, 8), Host(CORRECTOR, 60, 2, 4), Host(ONWARDS, 150, 
         Host(ONWARDS, 150, 1, 16)]
 # Name: chip, Hz, bits of a word.
 CONTROLLERS = {"16 bits": (AS4C16M16SA_6, 133e6, 32),
-               "two beside each other": (in_parallel(IS42S16320D_7, 2), 100e6, 32),
+               "two side by side": (in_parallel(IS42S16320D_7, 2), 100e6, 32),
                "words of four beats": (IS42S16320D_7, 142e6, 64),
                "any chip": (ULX3S_32MB, 100e6, 16)}
 
@@ -69,7 +69,7 @@ def assert_clean(result):
 @pytest.mark.parametrize("simulator,name,clocks,resets", [
     pytest.param("verilator", "16 bits", 200_000, 0, marks=pytest.mark.longer),
     ("verilator", "16 bits", 100_000, 3000),
-    ("icarus", "two beside each other", 4000, 0), ("icarus", "words of four beats", 3000, 0),
+    ("icarus", "two side by side", 4000, 0), ("icarus", "words of four beats", 3000, 0),
     ("icarus", "any chip", 3000, 1500)])
 def test_words_and_commands(simulator, name, clocks, resets):
     result = outcome(controller(name), BUSY, clocks, simulator=simulator, resets=resets)
@@ -95,7 +95,7 @@ def test_ten_million_clocks(name, resets):
     ("video", [*[Host(ANYWHERE, 0, 16, 16)] * 2, Host(ANYWHERE, ALONE, 16, 16),
                Host(ANYWHERE, 0, 16, 16)]),
     ("write", [*[Host(ANYWHERE, 0, 16, 16)] * 3, Host(ANYWHERE, ALONE, 16, 16)])])
-def test_nobody_waits_longer_than_the_bound(host, hosts):
+def test_no_host_waits_longer_than_the_bound(host, hosts):
     """With all others asking for whole bursts anywhere, in each clock."""
     made = controller()
     result = outcome(made, hosts, 60_000)
@@ -136,7 +136,7 @@ def test_latency_is_what_it_says():
 
 
 # A time of the chip that is longer than the controller knows: the rule that must fire. The
-# controller's own steps leave more than tRRD and tMRD, and its registers come behind the pause.
+# controller's own steps leave more than tRRD and tMRD, and its registers come after the pause.
 SLOWER = {"RCD": "tRCD", "RP": "tRP", "RAS": "tRAS-min", "RC": "tRC", "RFC": "tRFC", "WR": "tWR",
           "RRD": "tRRD", "MRD": "tMRD", "PAUSE": "tPAUSE", "REFRESH_GAP": "refresh-gap",
           "CAS3": "mode", "RAS_MAX": "tRAS-max"}
@@ -151,9 +151,9 @@ MORE = {"RRD": 4, "MRD": 8, "PAUSE": 10}        # clocks by which it must be lon
 def test_a_chip_that_is_slower_by_a_clock_is_seen(name, rule):
     made, clock_hz = controller("16 bits")
     period, clocks = 1e12 / clock_hz, made.clocks
-    kept = {"RAS": made.sequencer.banks.times["ras"], "PAUSE": clocks.pause, "CAS3": 1,
+    own = {"RAS": made.sequencer.banks.times["ras"], "PAUSE": clocks.pause, "CAS3": 1,
             "RC": made.sequencer.banks.times["ras"] + clocks.rp}
-    count = kept.get(name) or getattr(clocks, name.lower(), 0)
+    count = own.get(name) or getattr(clocks, name.lower(), 0)
     time = {"REFRESH_GAP": int(made.sequencer.period * period),
             "RAS_MAX": int(20 * period)}.get(
                 name, int((count + MORE.get(name, 0)) * period) + 100)
@@ -181,7 +181,7 @@ def shorter(**times):
         name: plain[name] - by for name, by in times.items()})
 
 
-# Errors planted in the controller: (class, attribute, what takes its place, what must be seen).
+# Errors planted in the controller: (class, attribute, what replaces it, what must be seen).
 PLANTED = {
     "tRCD": (Banks, "times", shorter(rcd=1), "tRCD"),
     "tRP": (Banks, "times", shorter(rp=1), "tRP"),
@@ -191,7 +191,7 @@ PLANTED = {
     "turn of DQ": (Banks, "times", shorter(read_write=1), "contention"),
     "read cut off": (Banks, "times", shorter(read_precharge=2), "cut"),
     "another row": (Banks, "_other", lambda self, opened, row: 0, "wrong"),
-    "row's end": (Segments, "_crosses", staticmethod(lambda behind: 0), "wrong"),
+    "row's end": (Segments, "_crosses", staticmethod(lambda end: 0), "wrong"),
     "written before it is read": (SdramController, "_owed", lambda self, bursts, written: 0,
                                   "wrong"),
     "queue of words": (WriteWords, "_full", lambda self, level: 0, "wrong"),

@@ -1,4 +1,4 @@
-"""The Verilog model of each sensor against its twin: random set-ups, test patterns, faults, I2C."""
+"""The Verilog model of each sensor equals its reference model: settings, patterns, faults, I2C."""
 
 import numpy as np
 import pytest
@@ -21,18 +21,18 @@ LONG_REDUCED = [("mt9p031", 2, 1), ("mt9p031", 3, 2), ("mt9p031", 4, 4), ("mt9p0
 
 def random_settings(name, seed):
     """Fields of Settings of a small window anywhere, and light that covers most of it."""
-    sensor, chance = sensor_named(name), np.random.default_rng(seed)
+    sensor, rng = sensor_named(name), np.random.default_rng(seed)
     step, corner = sensor.limits.step, sensor.limits.corner_step
-    width, height = (int(least + step * chance.integers(1, 6))
+    width, height = (int(least + step * rng.integers(1, 6))
                      for least in (max(16, sensor.limits.smallest[0]), sensor.limits.smallest[1]))
-    left, top = (int(corner * chance.integers(0, (size - part) // corner + 1))
+    left, top = (int(corner * rng.integers(0, (size - part) // corner + 1))
                  for size, part in ((sensor.columns, width), (sensor.rows, height)))
     # MT9D111: the last column and row have no neighbour to begin with when mirrored.
     asked = {"width": width, "height": height, "left": max(0, left - 2), "top": max(0, top - 2),
-             "exposure_us": float(chance.uniform(60, 400)), "gain_db": float(chance.uniform(0, 30)),
-             "mirror_columns": bool(chance.integers(2)), "mirror_rows": bool(chance.integers(2))}
+             "exposure_us": float(rng.uniform(60, 400)), "gain_db": float(rng.uniform(0, 30)),
+             "mirror_columns": bool(rng.integers(2)), "mirror_rows": bool(rng.integers(2))}
     return asked, random_light((2, height, width - 2), seed, asked["left"] + 1, asked["top"],
-                               int(chance.integers(10_000, 400_000)))
+                               int(rng.integers(10_000, 400_000)))
 
 
 def random_reduced(name, skip, bins, seed):
@@ -55,7 +55,7 @@ def random_reduced(name, skip, bins, seed):
                       for each in LONG_REDUCED)])
 @pytest.mark.parametrize("simulator", ["verilator", pytest.param("icarus",
                                                                  marks=pytest.mark.regress)])
-def test_reduced_frames_equal_the_twins(name, skip, bins, simulator):
+def test_reduced_frames_equal_the_reference_models(name, skip, bins, simulator):
     """Which pixels are read, their means, and how long lines take."""
     run_sensor(name, simulator, *random_reduced(name, skip, bins, 10 * skip + bins))
 
@@ -64,7 +64,7 @@ def test_reduced_frames_equal_the_twins(name, skip, bins, simulator):
 @pytest.mark.parametrize("name", NAMES)
 @pytest.mark.parametrize("seed", [1, *(pytest.param(k, marks=pytest.mark.regress)
                                        for k in range(2, 12))])
-def test_frames_equal_the_twins(name, seed):
+def test_frames_equal_the_reference_models(name, seed):
     asked, light = random_settings(name, seed)
     run_sensor(name, "verilator", asked, light)
 

@@ -96,7 +96,7 @@ def test_waveforms_of_a_camera(system, verilog, light, tmp_path, kind):
 @regress
 @pytest.mark.parametrize("period,counters", [
     (9_990, ("produce_cdc", "consume_cdc")), (30_010, ("produce_cdc", "consume_cdc")),
-    # An entry is taken some clocks behind the sensor's edge, never near the next one.
+    # An entry is taken some clocks after the sensor's edge, never near the next one.
     (79_990, ("produce_cdc",))])
 def test_every_synchroniser_of_a_system_may_be_metastable(system, light, period, counters):
     verilog = metastable_verilog(system_verilog(system, Metastability()))
@@ -117,9 +117,9 @@ def test_every_synchroniser_of_a_system_may_be_metastable(system, light, period,
         ("short_line", True), ("long_line", False), ("long_line", True), ("glitch", False),
         ("glitch", True), ("cut_frame", False), ("clock_stop", False)))])
 def test_a_fault_is_counted_and_the_next_frame_is_right(system, verilog, light, kind, follow):
-    place, counter = FAULTS[kind]
+    options, counter = FAULTS[kind]
     run = simulate_camera(system, asked(), light, count=3, verilog=verilog, follow=follow,
-                          fault=Fault(kind, **place))
+                          fault=Fault(kind, **options))
     assert run.counters[counter] > 0
     assert run.counters["RAW_ENDED_BAD"] > 0
     # One that is followed has been begun; it is not handed on.

@@ -67,8 +67,8 @@ def test_crossings_with_metastable_flops():
 @pytest.mark.parametrize("simulator,resets", [("icarus", 3), pytest.param(
     "verilator", 300, marks=regress)])
 def test_resets_of_the_core_in_the_midst_of_words(simulator, resets):
-    """What comes behind one is in order again, and nothing of before is among it. Words of 32 bits:
-    bytes would not tell where the row goes on."""
+    """What comes after one is in order again, and nothing of before is among it. Words of 32 bits:
+    bytes would not show where the row goes on."""
     words = 3000 * (resets + 1)
     result = run(FT601, (1000, words), simulator=simulator, resets=resets, **ROUGH)
     assert result.results["different"] == 0
@@ -106,6 +106,6 @@ def test_a_bus_that_does_not_look_at_txe_loses_words(monkeypatch):
         run(FT232H, (2000, 0), simulator="icarus", tx_stall=60)
 
 
-def test_a_queue_without_spare_words_is_refused():
+def test_a_queue_without_spare_words_is_rejected():
     with pytest.raises(ValueError, match="depth is 8, the limit is 16"):
         UsbFifo(FT232H, depth=8)

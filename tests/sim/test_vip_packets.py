@@ -65,7 +65,7 @@ def sent(dut, frames, size, gap=0.0, stall=0.0):
 
     One that comes without ``ready`` in the clock before raises.
     """
-    chance, beats = random.Random(1), []
+    rng, beats = random.Random(1), []
     pixels = [(pixel, k == 0, k == len(frame) - 1) for frame in frames
               for k, pixel in enumerate(frame)]
 
@@ -74,7 +74,7 @@ def sent(dut, frames, size, gap=0.0, stall=0.0):
         ctx.set(dut.height, size[1])
         allowed, valid = False, False
         while pixels:
-            ready, valid = chance.random() >= stall, valid or chance.random() >= gap
+            ready, valid = rng.random() >= stall, valid or rng.random() >= gap
             pixel, first, last = pixels[0]
             ctx.set(dut.o.ready, ready)
             ctx.set(dut.i.valid, valid)
@@ -116,7 +116,7 @@ def test_a_source_without_ready_latency_is_found():
         sent(Early(), [[1, 2, 3]], (640, 480), stall=.5)
 
 
-def test_platform_designer_is_told_the_ready_latency():
+def test_platform_designer_knows_the_ready_latency():
     d = barrel_descriptor(SIZE, RAW, hidden_neurons=2)
     assert "set_interface_property stream readyLatency 1" in hw_tcl(Corrector(d, HARDWARE))
 

@@ -55,7 +55,7 @@ def check(vcd, clocks):
 
 
 def check_file(path, kind, clocks):
-    """GTKWave's program unpacks an FST, if it is here; else its header tells of it."""
+    """GTKWave's program unpacks an FST, if it is here; else its header shows it."""
     if kind == "vcd":
         check(path.read_text(), clocks)
     elif shutil.which("fst2vcd"):
@@ -101,7 +101,7 @@ def test_the_command_writes_them(folder, capsys):
     ("--vcd net.toml/a.vcd", "cannot write net.toml/a.vcd"),
     ("--fst out.png", "would replace the output out.png"),
     ("--vcd raw.png", "would replace the input raw.png")])
-def test_refused(folder, options, message, capsys):
+def test_rejected(folder, options, message, capsys):
     before = sorted(folder.iterdir())
     assert main(f"simulate net.toml raw.png -o out.png {options}".split()) == 2
     said = capsys.readouterr().err

@@ -12,7 +12,7 @@ from soc_clients import SIZE
 
 @pytest.fixture(scope="session")
 def model():
-    """Of a sensor that sees noise, at an exposure of 100 us."""
+    """A system whose sensor sees noise, at an exposure of 100 us."""
     need("riscv64-unknown-elf-gcc", "unshare", "ip", "aravis")
     noise = np.random.default_rng(1).integers(0, 256, SIZE[::-1], dtype=np.uint8)
     descriptor = barrel_descriptor(corrected=SIZE, distorted=SIZE)

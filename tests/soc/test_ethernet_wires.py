@@ -1,4 +1,4 @@
-"""RGMII, GMII and MII: LiteEth's MAC behind our interfaces, at cocotbext-eth's PHYs."""
+"""RGMII, GMII and MII: LiteEth's MAC with our interfaces, at cocotbext-eth's PHYs."""
 
 import random
 
@@ -16,10 +16,10 @@ DAILY = {("altera", "rgmii", 1000), ("altera", "rgmii", 10), ("ecp5", "rgmii", 1
          ("altera", "mii", 100)}
 
 
-def simulate(design, interface, speed, frames, **told):
+def simulate(design, interface, speed, frames, **options):
     run_cocotb(design, "ethernet", "verilator",
                **{"interface": interface, "speed": speed, "frames": frames, "seed": 5,
-                  "pause": .05, "bad": .2, "longest": 1514, **told})
+                  "pause": .05, "bad": .2, "longest": 1514, **options})
 
 
 @pytest.mark.longer

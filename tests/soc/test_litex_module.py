@@ -107,20 +107,20 @@ def test_two_correctors_are_two_modules(tmp_path, name, second):
 
 
 @pytest.mark.longer
-@pytest.mark.parametrize("name,told", [
+@pytest.mark.parametrize("name,message", [
     ("ncdc", "the name is 'ncdc', which another Verilog module of the system has"),
     ("a b", "the name is 'a b', a letter is needed")])
-def test_a_name_that_is_taken_or_none_is_rejected(tmp_path, name, told):
-    with pytest.raises(InputError, match=told):
+def test_a_name_that_is_taken_or_none_is_rejected(tmp_path, name, message):
+    with pytest.raises(InputError, match=message):
         two(tmp_path, name)
     assert [path.name for path in tmp_path.iterdir()] == ["ncdc.v"]
 
 
-@pytest.mark.parametrize("hardware,told", [
+@pytest.mark.parametrize("hardware,message", [
     (Hardware(data_width=64), "data width is 64, LiteDRAM's controller has 32"),
     (Hardware(output="stream", lanes=2), "pixels per clock is 2, LiteX's video has 1"),
     (Hardware(output="stream", video="vip"), "the video vip needs avalon")])
-def test_hardware_that_does_not_fit_is_refused(hardware, told, tmp_path):
-    with pytest.raises(InputError, match=told):
+def test_hardware_that_does_not_fit_is_rejected(hardware, message, tmp_path):
+    with pytest.raises(InputError, match=message):
         module_soc_verilog(camera(32, 24)[0], hardware, None, tmp_path)
     assert not list(tmp_path.iterdir())

@@ -27,7 +27,7 @@ _LINK_LOCAL = "169.254.1.1"
 
 @pytest.fixture(scope="module")
 def model():
-    """A system that is told no address."""
+    """A system that is given no address."""
     need("riscv64-unknown-elf-gcc", "unshare", "ip")
     return SocModel(barrel_descriptor(corrected=_SIZE, distorted=_SIZE),
                     np.zeros(_SIZE[::-1], np.uint8),
@@ -39,7 +39,7 @@ def number(text):
     return struct.unpack(">I", socket.inet_aton(text))[0]
 
 
-def told(run, low, high):
+def reported(run, low, high):
     """The first address between these two that the firmware says it has; waits for it."""
     def found():
         texts = re.findall(r"^address: ([0-9a-f]{8})$", run.screen, re.MULTILINE)
@@ -76,7 +76,7 @@ def test_an_address_of_dnsmasq(model, tmp_path):
              "--bind-interfaces", "--user=root", "--group=root", "--no-ping",
              "--dhcp-authoritative", f"--dhcp-range={_FIRST},{_LAST},1h",
              f"--dhcp-leasefile={tmp_path / 'leases'}", f"--pid-file={tmp_path / 'pid'}"])
-        address = told(run, _FIRST, _LAST)
+        address = reported(run, _FIRST, _LAST)
         assert own_address(run, address) == address
         # The server has given exactly this address to exactly this machine.
         end = time.monotonic() + 10
@@ -85,9 +85,9 @@ def test_an_address_of_dnsmasq(model, tmp_path):
     assert lease.split()[1:3] == [model.identity.mac, address]
 
 
-def test_a_link_local_address_if_nobody_answers(model):
+def test_a_link_local_address_if_no_server_answers(model):
     with SocRun(model) as run:
-        address = told(run, "169.254.1.0", "169.254.254.255")
+        address = reported(run, "169.254.1.0", "169.254.254.255")
         done = run.network.run(["ip", "addr", "add", f"{_LINK_LOCAL}/16", "dev", TAP], timeout=10)
         assert not done.returncode, done.stderr
         assert own_address(run, address) == address != CLIENT

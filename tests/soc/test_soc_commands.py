@@ -29,21 +29,21 @@ def ask(user, *request):
 widths = [ask(user, 0x80, 0xF001, 0) for user in users]
 written = ask(users[3], 0x81, 9, 7)
 seen = ask(users[5], 0x80, 9, 0)
-refused = ask(users[2], 0x81, 3, 1)
+rejected = ask(users[2], 0x81, 3, 1)
 users[0].sendall(bytes([0x82, 0x55]))
 unknown = users[0].recv(2) + users[0].recv(2)
-print(json.dumps([widths, written, seen, refused, list(unknown)]))
+print(json.dumps([widths, written, seen, rejected, list(unknown)]))
 """
 
 
 def test_eight_users_of_table_one(model, tmp_path):
     script = _USERS.replace("{address}", ADDRESS).replace("{port}", str(TCP_PORT))
     with SocRun(model) as run:
-        widths, written, seen, refused, unknown = peer(run, script, tmp_path)
+        widths, written, seen, rejected, unknown = peer(run, script, tmp_path)
     assert widths == [[0x80, 0xF001, SIZE[0]]] * 8
     assert written == [0x81, 9, 7] and seen == [0x80, 9, 7]
     # The rows of the sensor's frame are the firmware's: what is read back is what was there.
-    assert refused == [0x81, 3, model.setup.settings.height - 1]
+    assert rejected == [0x81, 3, model.setup.settings.height - 1]
     assert unknown == [0xFF, 0x55]
 
 
@@ -143,24 +143,24 @@ def ask(code, *words):
     send(code, *words)
     return take()
 address, value = (feature(f"SensorRegister{name}").address for name in ("Address", "Value"))
-told = {}
+answers = {}
 ask(gvcp.WRITEREG, gvcp.register("ControlPrivilege").address, 2)
 ask(gvcp.WRITEREG, address, 0x2c)
-told["at once"] = ask(gvcp.WRITEREG, value, 7)
+answers["at once"] = ask(gvcp.WRITEREG, value, 7)
 ask(gvcp.WRITEREG, gvcp.register("Configuration").address, 2)
-told["write"] = [ask(gvcp.WRITEREG, value, 9), take()]
-told["read"] = [ask(gvcp.READREG, value), take()]
-told["two reads"] = [ask(gvcp.READREG, value, value), take()]
-told["kept"] = ask(gvcp.WRITEREG, feature("Gain").address, 8)
-# Somebody else's command is answered between.
+answers["write"] = [ask(gvcp.WRITEREG, value, 9), take()]
+answers["read"] = [ask(gvcp.READREG, value), take()]
+answers["two reads"] = [ask(gvcp.READREG, value, value), take()]
+answers["feature"] = ask(gvcp.WRITEREG, feature("Gain").address, 8)
+# Another user's command is answered between.
 send(gvcp.WRITEREG, value, 11)
 other.sendto(gvcp.command_packet(gvcp.READREG, 99, struct.pack(
     ">I", gvcp.register("HeartbeatTimeout").address)), ("{address}", gvcp.PORT))
 other.sendto(gvcp.command_packet(gvcp.READREG, 98, struct.pack(">I", value)),
              ("{address}", gvcp.PORT))
-told["third"] = [take(), take()]
-told["others"] = [list(gvcp.parse_acknowledge(other.recv(2000))[:3]) for _ in range(2)]
-print(json.dumps(told))
+answers["third"] = [take(), take()]
+answers["others"] = [list(gvcp.parse_acknowledge(other.recv(2000))[:3]) for _ in range(2)]
+print(json.dumps(answers))
 """
 
 
@@ -181,19 +181,19 @@ def test_an_answer_that_waits_for_the_sensor_is_put_off(model, tmp_path):
                                     stderr=subprocess.PIPE)
         while "Capture" not in (line := capture.stderr.readline()):
             assert line
-        told = peer(run, _PUT_OFF.replace("{address}", ADDRESS), tmp_path)
+        answers = peer(run, _PUT_OFF.replace("{address}", ADDRESS), tmp_path)
         # What the kernel has not handed over yet would be lost with the one who captures.
         run.wait_for(lambda: len(_put_off_times(file, whole=False)) >= 4)
         capture.terminate()
         capture.wait(20)
         assert "exception" not in run.screen
     off, written, read = [0, 0x89, True, 1000], [0, 0x83, True, 1], [0, 0x81, True, 9]
-    assert told["at once"] == written and told["write"] == [off, written]
-    assert told["read"] == told["two reads"] == [off, read]
-    assert told["kept"] == written and told["third"] == [off, written]
+    assert answers["at once"] == written and answers["write"] == [off, written]
+    assert answers["read"] == answers["two reads"] == [off, read]
+    assert answers["feature"] == written and answers["third"] == [off, written]
     # The one that needs no bus is answered, and the one that does if the bus is free by then.
-    assert told["others"][0] == [0, 0x81, 99] and told["others"][1][1:] == [0x81, 98]
-    assert told["others"][1][0] in (0, 0x8007)
+    assert answers["others"][0] == [0, 0x81, 99] and answers["others"][1][1:] == [0x81, 98]
+    assert answers["others"][1][0] in (0, 0x8007)
     assert _put_off_times(file) == [1000] * 4
 
 

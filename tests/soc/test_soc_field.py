@@ -23,7 +23,7 @@ print(json.dumps(seen))
 """
 
 
-def test_a_field_is_told_and_its_pictures_are_the_golden_models(tmp_path):
+def test_a_field_is_reported_and_its_pictures_are_the_golden_models(tmp_path):
     need("riscv64-unknown-elf-gcc", "unshare", "ip", "aravis")
     noise = np.random.default_rng(1).integers(0, 256, SIZE[::-1], dtype=np.uint8)
     descriptor = barrel_descriptor(corrected=SIZE, distorted=SIZE, bayer="GRBG")

@@ -140,7 +140,7 @@ from ncdc_spec.protocols.features import system_word
 folder, formats = sys.argv[2], json.loads(sys.argv[3])
 address, port = "{address}", {port}
 users = [Connection(address, port, 300) for _ in range(3)]
-told = []
+packages = []
 def take(user):
     package = user.picture(300)
     number = user.read(system_word("NUMBER_UPPER")) << 16 | user.read(system_word("NUMBER_LOWER"))
@@ -150,28 +150,28 @@ for form in formats:
     with ThreadPoolExecutor(3) as pool:
         for package, number in pool.map(take, users):
             header = package.header
-            np.save(f"{folder}/{len(told)}.npy", np.frombuffer(package.data, np.uint8))
-            told.append([header.width, header.height, header.pixel_format.mraw, header.address,
-                         header.port, header.time_us, number])
-# Requests behind a package are answered behind it, also when no more will come.
+            np.save(f"{folder}/{len(packages)}.npy", np.frombuffer(package.data, np.uint8))
+            packages.append([header.width, header.height, header.pixel_format.mraw, header.address,
+                             header.port, header.time_us, number])
+# Requests after a package are answered after it, also when no more will come.
 users[1]._socket.sendall(bytes([0x83, 0x80, 0xF0, 0x01, 0, 0]))
 users[1]._socket.shutdown(1)
 rest = b""
 while part := users[1]._socket.recv(65536):
     rest += part
-print(json.dumps([told, len(rest), list(rest[-5:])]))
+print(json.dumps([packages, len(rest), list(rest[-5:])]))
 """
 
 
 def test_packages_over_tcp(model, tmp_path):
-    """Raw and corrected, to three users at once; what is asked behind one waits for its end."""
+    """Raw and corrected, to three users at once; what is asked after one waits for its end."""
     script = _PACKAGES.replace("{address}", ADDRESS).replace("{port}", str(TCP_PORT))
     raw, corrected = raw_format(model.descriptor.geometry), output_format("BGR8").sent
     with SocRun(model) as run:
-        told, length, last = peer(run, script, tmp_path, [raw.mraw, corrected.mraw])
+        packages, length, last = peer(run, script, tmp_path, [raw.mraw, corrected.mraw])
         assert "exception" not in run.screen
     goldens = [model.raw(model.setup), model.golden().picture[..., ::-1]]      # BGR
-    for k, (width, height, form, address, port, time_us, number) in enumerate(told):
+    for k, (width, height, form, address, port, time_us, number) in enumerate(packages):
         assert (width, height) == SIZE and (address, port) == (ADDRESS, TCP_PORT)
         assert form == (raw, corrected)[k // 3].mraw and time_us > 0 and number > 0
         assert np.array_equal(np.load(tmp_path / f"{k}.npy"), goldens[k // 3].ravel())
@@ -197,8 +197,8 @@ with open_device(json.loads(url)) as device:
 def test_jumbo_packets(model, tmp_path, scheme):
     """A client asks for packets of 9,000 bytes; a test packet of that size comes through.
 
-    viva-genicam looks for the largest size by its own clock: how far it gets before it loses
-    patience depends on the simulation's speed.
+    viva-genicam looks for the largest size by its own clock: how far it gets before it gives up
+    depends on the simulation's speed.
     """
     with SocRun(model, mtu=9000) as run:
         size = peer(run, _JUMBO, tmp_path, f"{scheme}://{ADDRESS}")

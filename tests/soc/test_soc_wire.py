@@ -57,7 +57,7 @@ def width(user):
 def test_users_write_the_registers_of_the_list(wire):
     user, = users(wire, 1)
     free = {one.address for one in mt9p031.SENSOR.user_registers}
-    # What is read back is what the bus says, here always zeros: GVCP's status tells instead.
+    # What is read back is what the bus says, here always zeros: GVCP's status shows it instead.
     asker = Asker(wire)
     assert asker.write(CCP, 2) == gvcp.SUCCESS
     for address in [*range(0x100), 0x100, 0xEFFF]:
@@ -67,7 +67,7 @@ def test_users_write_the_registers_of_the_list(wire):
     assert user.ask(WRITE, mt9p031.GLOBAL_GAIN, 16) == 16
 
 
-def test_half_open_connections_keep_nobody_out(wire):
+def test_half_open_connections_keep_no_user_out(wire):
     for k in range(12):
         TcpUser(wire, 50_000 + k, source="10.77.0.77").begin()
     user, = users(wire, 1)
@@ -75,19 +75,19 @@ def test_half_open_connections_keep_nobody_out(wire):
 
 
 def test_silent_users_give_their_position_to_a_new_one(wire):
-    kept = users(wire, USERS)
-    assert [width(user) for user in kept] == [SIZE[0]] * USERS
+    first = users(wire, USERS)
+    assert [width(user) for user in first] == [SIZE[0]] * USERS
     assert not TcpUser(wire, 41_000).connect()
-    kept[0].send(bytes([READ]))                 # half a request: silent as well
+    first[0].send(bytes([READ]))                 # half a request: silent as well
     wire.wait(1000 * IDLE_SECONDS + 100)
-    assert [width(user) for user in kept[1:]] == [SIZE[0]] * (USERS - 1)
+    assert [width(user) for user in first[1:]] == [SIZE[0]] * (USERS - 1)
     late, = users(wire, 1, 42_000)
-    assert width(late) == SIZE[0] and width(kept[0]) is None
-    assert [width(user) for user in kept[1:]] == [SIZE[0]] * (USERS - 1)
+    assert width(late) == SIZE[0] and width(first[0]) is None
+    assert [width(user) for user in first[1:]] == [SIZE[0]] * (USERS - 1)
 
 
 @pytest.mark.parametrize("drips", [False, True], ids=["nothing", "drops"])
-def test_a_user_who_takes_little_holds_up_nobody(wire, drips):
+def test_a_user_who_takes_little_holds_up_no_other(wire, drips):
     slow, quick = users(wire, 2)
     slow.takes = False
     slow.send(bytes([MRAW]))

@@ -16,7 +16,7 @@ from peers import need
 pytestmark = [pytest.mark.regress, pytest.mark.many_clocks]
 
 _SIZE = (64, 48)
-# The firmware tells "address: 00000000" before, of a network that is up and has none.
+# The firmware prints "address: 00000000" before, of a network that is up and has none.
 _HAS_ADDRESS = f"address: {int(IPv4Address(ADDRESS)):08x}\n"
 _LOOP = "\tfor (;;) {\n"
 _HANGS = "\tfor (;;) {\n\t\tif (now32() > 1000000u)\n\t\t\tfor (;;)\n\t\t\t\t;\n"
@@ -25,7 +25,7 @@ _TRAPS = "\tfor (;;) {\n\t\tif (now32() > 1000000u)\n\t\t\t__asm__ volatile(\"eb
 
 @pytest.mark.parametrize("edit,said", [(_HANGS, None), (_TRAPS, "exception ")])
 def test_a_firmware_that_stands_still_begins_anew(edit, said, tmp_path, monkeypatch):
-    """In an endless loop, and behind an exception: three times, with an address each time."""
+    """In an endless loop, and after an exception: three times, with an address each time."""
     need("riscv64-unknown-elf-gcc", "unshare", "ip")
     source = tmp_path / "firmware"
     shutil.copytree(firmware.FIRMWARE, source)

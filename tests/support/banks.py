@@ -4,7 +4,7 @@ __all__ = ["bank_words", "take_bank", "write_bank", "write_word"]
 
 
 def bank_words(hidden_weights, hidden_biases, output_weights):
-    """(place, word) of all words that may lie in memories; without a layer that is empty."""
+    """(position, word) of all words that may lie in memories; without a layer that is empty."""
     for j, (weights, bias) in enumerate(zip(hidden_weights, hidden_biases)):
         for role, word in enumerate((*weights, bias)):
             yield {"role": role, "neuron": j, "output": 0}, int(word)
@@ -16,13 +16,13 @@ def bank_words(hidden_weights, hidden_biases, output_weights):
 def write_word(ctx, writes, words):
     """Write the next of the iterator ``words`` in the next clock, to the bank that no frame uses;
     whether there was one left."""
-    place, word = next(words, (None, None))
-    ctx.set(writes.write, place is not None)
-    if place is not None:
-        ctx.set(writes.position, place)
+    position, word = next(words, (None, None))
+    ctx.set(writes.write, position is not None)
+    if position is not None:
+        ctx.set(writes.position, position)
         ctx.set(writes.word, word)
         ctx.set(writes.bank, 1 - ctx.get(writes.active))
-    return place is not None
+    return position is not None
 
 
 async def write_bank(ctx, writes, words):

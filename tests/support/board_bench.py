@@ -25,7 +25,8 @@ class Bench:
 
     def __init__(self, name, mode, size, *, frames=6, field=None, **more):
         self.mode, self.size = mode, size
-        self.kept = 0xF0 if name == "de0-cv" else 0xFF      # bits of a colour that the board shows
+        # Bits of a colour that the board shows.
+        self.colour_mask = 0xF0 if name == "de0-cv" else 0xFF
         lenses = [barrel_descriptor(size, size, hidden_neurons=2, strength=s) for s in (.4, .2)]
         self.sensor = sensor_for("mt9p031", lenses[0].geometry, exposure_us=100, field=field)
         setup, crop = self.sensor
@@ -45,7 +46,7 @@ class Bench:
     def golden(self, lens):
         """Pictures of all raw frames."""
         strip = self.design.system.hardware.strip
-        return [correct(self.lenses[lens], raw, strip=strip).picture & self.kept
+        return [correct(self.lenses[lens], raw, strip=strip).picture & self.colour_mask
                 for raw in self.raw]
 
     def inside(self, frame):

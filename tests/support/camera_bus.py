@@ -6,14 +6,14 @@ __all__ = ["Bus"]
 class Bus:
     """Registers of a camera system as words, targets on its I2C bus, and what its readers claim.
 
-    A transfer is refused if nobody has its address.
+    A transfer is rejected if no device has its address.
 
     Parameters
     ----------
     names : module
         The project's ``ncdc_registers``.
     targets : dict
-        Of each address on the bus {register as bytes: value as bytes}; what is written, is kept.
+        Of each address on the bus {register as bytes: value as bytes}; what is written is stored.
     """
 
     def __init__(self, names, targets):

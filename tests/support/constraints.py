@@ -36,7 +36,7 @@ class _Sdc:
 
 
 def option(words, name):
-    """The word behind an option, or None."""
+    """The word after an option, or None."""
     return words[words.index(name) + 1] if name in words else None
 
 

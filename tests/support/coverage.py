@@ -13,7 +13,7 @@ _POINT = re.compile(r"^C '(.*)' (\d+)$")
 
 
 def reached(text):
-    """Of the corrector's points in a file of Verilator's: (kind, module): [reached, all].
+    """Count the corrector's points in a file of Verilator's: {(kind, module): [reached, all]}.
 
     A branch that is never taken is a line that is not reached; a bit toggles if it both rises and
     falls, each a point.
@@ -40,7 +40,7 @@ def percentages(found):
 
 
 def table():
-    """Lines of text: coverage of every run that is kept, and the modules of which least is
+    """Lines of text: coverage of every run that is stored, and the modules of which least is
     reached, in whichever of the runs reaches most."""
     runs = {path.stem: reached(path.read_text(errors="replace"))
             for path in sorted(FOLDER.glob("*.dat"))}
@@ -50,8 +50,8 @@ def table():
         lines.append(f"{name:60} {share['line']:7.1f} {share['toggle']:9.1f}")
     best = {}
     for found in runs.values():
-        for place, (hit, points) in found.items():
-            best[place] = max(best.get(place, 0), 100 * hit / points)
+        for point, (hit, points) in found.items():
+            best[point] = max(best.get(point, 0), 100 * hit / points)
     for kind in KINDS:
         low = sorted((share, name) for (one, name), share in best.items() if one == kind)[:5]
         lines.append(f"least {kind}: " + ", ".join(f"{name} {share:.0f}" for share, name in low))

@@ -97,7 +97,7 @@ class Clocks:
         return found
 
     def _foreign(self, nodes, domain):
-        """Nodes behind ``nodes`` that depend on a source of another clock."""
+        """Nodes after ``nodes`` that depend on a source of another clock."""
         readers, seen, begin = {}, set(nodes), []
         waiting = list(nodes)
         while waiting:

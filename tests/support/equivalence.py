@@ -1,4 +1,4 @@
-"""A printed module against the netlist that Amaranth's converter made: equal, by Yosys.
+"""A printed module compared with the netlist that Amaranth's converter made: equal, by Yosys.
 
 Each distinct module is proved alone. The modules in it are cut out on both sides alike: what it
 gives them becomes outputs, what they give it inputs. The netlist side is the converter's own text;
@@ -125,8 +125,8 @@ def _box_of(netlist, kind):
     # Of equal modules the printed one counts: its ports are those of the first.
     for name, width, _ in ports:
         for new, low, part in netlist.parts[kind].ports[name.lstrip("\\")]:
-            place = f" [{low + part - 1}:{low}]" if part is not None else ""
-            lines.append(f"    connect \\{new} {name}{place}")
+            part_range = f" [{low + part - 1}:{low}]" if part is not None else ""
+            lines.append(f"    connect \\{new} {name}{part_range}")
     return "\n".join([*lines, "  end", "end"])
 
 
@@ -153,8 +153,8 @@ def _renamed(text, part):
             tokens[-1] = '"\\' + names[old] + '"'
         elif tokens[0] != "module" and tokens[:5] != ["", "", "", "", "parameter"]:
             skip = 2 if tokens[:5] == ["", "", "", "", "connect"] else 0
-            place = 4 + skip if skip else 0
-            tokens = [names.get(token, token) if k >= place or not skip else token
+            first = 4 + skip if skip else 0
+            tokens = [names.get(token, token) if k >= first or not skip else token
                       for k, token in enumerate(tokens)]
         lines.append(" ".join(tokens))
     return "\n".join(lines)

@@ -1,4 +1,4 @@
-"""Ethernet on wires: LiteEth's MAC behind one of our interfaces, as Verilog of a device's cells."""
+"""Ethernet on wires: LiteEth's MAC with one of our interfaces, as Verilog of a device's cells."""
 
 import functools
 from pathlib import Path

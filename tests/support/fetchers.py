@@ -1,4 +1,4 @@
-"""A fetcher in the Amaranth simulator: its windows against the raw frame, its reads counted."""
+"""A fetcher in the Amaranth simulator: checks its windows by the raw frame, counts its reads."""
 
 from dataclasses import dataclass
 
@@ -15,7 +15,7 @@ BASE = 64       # byte address of the raw frame
 
 @dataclass(frozen=True)
 class Pauses:
-    """Chances of a pause of source, sink and memory; least and most clocks of the memory's answer.
+    """Probabilities of a pause of source, sink and memory; range of clocks of the memory's answer.
 
     ``wait`` and ``latency`` are as :func:`memory.read_agent` has them.
     """
@@ -27,19 +27,20 @@ class Pauses:
 
 def _edge(first, size, needs):
     """How much of a window is outside of a frame of ``size`` columns, or rows."""
-    before, behind = needs.margin - first, first + needs.after - (size - 1)
-    return {"missing": max(before, behind, 0), "after": int(behind > 0)}
+    before, beyond = needs.margin - first, first + needs.after - (size - 1)
+    return {"missing": max(before, beyond, 0), "after": int(beyond > 0)}
 
 
-def check_windows(dut, raw, places, rng, pauses, *, margin=64, needs=FAST, width=None, **controls):
+def check_windows(dut, raw, positions, rng, pauses, *, margin=64, needs=FAST, width=None,
+                  **controls):
     """Fetch windows of ``raw`` (height, pitch) with ``dut`` and compare every field of each.
 
-    ``places``: x0, y0, blank of the windows, in order. ``margin``: bytes of memory behind the
+    ``positions``: x0, y0, blank of the windows, in order. ``margin``: bytes of memory after the
     frame. ``needs``: the interpolation; of one whose windows may leave the frame, ``width`` are its
     columns that count. ``controls``: further inputs of the fetcher, by name. Returns the number of
     reads that it counts and the commands (address, words) of each of its ports.
     """
-    x0, y0, blank = places
+    x0, y0, blank = positions
     count, pitch = len(x0), raw.shape[1]
     content = np.concatenate([np.zeros(BASE, np.uint8), raw.ravel(), np.zeros(margin, np.uint8)])
     items = [{"x0": int(x0[k]), "y0": int(y0[k]), "fx": k, "fy": 1023 - k, "blank": int(blank[k]),

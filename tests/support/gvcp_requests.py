@@ -19,7 +19,7 @@ _CCP, _HEARTBEAT, _PORT, _ADDRESS, _SIZE, _DELAY = (gvcp.register(name).address 
     "ControlPrivilege", "HeartbeatTimeout", "StreamPort", "StreamAddress", "StreamPacketSize",
     "StreamPacketDelay"))
 # They differ from device to device, or with time.
-_OWN = {place.address for place in gvcp.BOOTSTRAP if place.length > 4} | {
+_OWN = {row.address for row in gvcp.BOOTSTRAP if row.length > 4} | {
     gvcp.register(name).address for name in (
         "MacHigh", "MacLow", "IpAddress", "SubnetMask", "IpConfiguration", "TimestampHigh",
         "TimestampLow", "StreamSourcePort")}
@@ -64,7 +64,7 @@ def requests():
     """The list of :class:`Request`."""
     made = _List()
     _nonsense(made)
-    for peer in (0, 2):                         # nobody has control
+    for peer in (0, 2):                         # no user has control
         _reads(made, peer)
         _writes(made, peer)
     _control(made)
@@ -78,20 +78,20 @@ def requests():
 def _addresses():
     """(name, address, whether its content is the same for all) of every register there is, and of
     some that are none."""
-    places = [(place.name, place.address, place.address not in _OWN) for place in gvcp.BOOTSTRAP]
+    rows = [(row.name, row.address, row.address not in _OWN) for row in gvcp.BOOTSTRAP]
     features = [(one.name, one.address, one.name in _STATE) for one in FEATURES
                 if one.address >= gvcp.FEATURE_BASE and one.name not in _BUS]
     after = max(one.address for one in FEATURES) + 4
     corrector = gvcp.CORRECTOR_BASE, gvcp.CORRECTOR_BYTES
     other = {
-        "reserved word of discovery": (0x18, True), "word behind discovery": (0xF8, True),
+        "reserved word of discovery": (0x18, True), "word after discovery": (0xF8, True),
         "word before the URL": (0x1FC, True), "nothing": (0x700, True),
         "end of bootstrap": (0xFFFC, True), "before the features": (gvcp.FEATURE_BASE - 4, True),
-        "behind the features": (after, True), "before the XML": (gvcp.XML_BASE - 4, True),
-        "XML": (gvcp.XML_BASE, False), "far behind the XML": (gvcp.XML_BASE + 0xF_0000 // 2, True),
+        "after the features": (after, True), "before the XML": (gvcp.XML_BASE - 4, True),
+        "XML": (gvcp.XML_BASE, False), "far after the XML": (gvcp.XML_BASE + 0xF_0000 // 2, True),
         "corrector": (corrector[0], False), "corrector's end": (sum(corrector) - 4, False),
-        "behind the corrector": (sum(corrector), True), "last word": (0xFFFF_FFFC, True)}
-    return [*places, *features, *((name, *rest) for name, rest in other.items())]
+        "after the corrector": (sum(corrector), True), "last word": (0xFFFF_FFFC, True)}
+    return [*rows, *features, *((name, *rest) for name, rest in other.items())]
 
 
 def _nonsense(made):
@@ -197,9 +197,9 @@ def _limits(made):
         for value in values:
             made.write(name, address, value)
             made.read(name, address)
-    for place in gvcp.BOOTSTRAP:
-        if place.access == "ro":
-            made.write(place.name, place.address, 0)
+    for row in gvcp.BOOTSTRAP:
+        if row.access == "ro":
+            made.write(row.name, row.address, 0)
     for one in FEATURES:
         if one.address < gvcp.FEATURE_BASE or one.table or one.name in _BUS or (
                 one.name.startswith("Acquisition") and one.kind == "command"):
@@ -208,9 +208,9 @@ def _limits(made):
             made.write(one.name, one.address, value & 0xFFFF_FFFF)
         made.read(one.name, one.address, whole=one.name in _STATE)
     for name, address, _ in _addresses():
-        if name in ("word behind discovery", "word before the URL", "nothing", "end of bootstrap",
-                    "before the features", "behind the features", "XML", "last word",
-                    "reserved word of discovery", "behind the corrector"):
+        if name in ("word after discovery", "word before the URL", "nothing", "end of bootstrap",
+                    "before the features", "after the features", "XML", "last word",
+                    "reserved word of discovery", "after the corrector"):
             made.write(name, address, 0)
 
 

@@ -1,4 +1,4 @@
-"""The DE10-Nano's server on this machine: its project, the registers behind it, its frames."""
+"""The DE10-Nano's server on this machine: its project, its registers, its frames."""
 
 import json
 import sys
@@ -22,7 +22,7 @@ I2C = mt9p031.SENSOR.i2c_address
 
 
 def hps_descriptor():
-    """Of the pictures that the server gives."""
+    """Descriptor of the lens of the pictures that the server gives."""
     return barrel_descriptor((WIDTH, HEIGHT), (WIDTH, HEIGHT), hidden_neurons=2, bayer="GRBG")
 
 
@@ -35,7 +35,7 @@ def hps_project(folder):
 
 
 class Running:
-    """A server on this machine, the registers behind it, and its frames' memory."""
+    """A server on this machine, its registers, and its frames' memory."""
 
     def __init__(self, project):
         import ncdc_board
@@ -80,7 +80,7 @@ class Running:
 
 @contextmanager
 def serving(project):
-    """A :class:`Running`, with the project's own modules; they are forgotten behind it."""
+    """A :class:`Running`, with the project's own modules; they are forgotten after it."""
     mine = [path.stem for path in project.glob("ncdc_*.py")]
     for name in mine:
         sys.modules.pop(name, None)

@@ -9,7 +9,7 @@ __all__ = ["memory_model"]
 def memory_model(width=32, planted=("", "")):
     """The model with two read ports and 128 KB.
 
-    ``planted``: a text of dram_timing.v and what stands in its place.
+    ``planted``: a text of dram_timing.v and what replaces it.
     """
     timing = (HDL / "dram_timing.v").read_text()
     assert planted[0] in timing

@@ -1,4 +1,4 @@
-"""Real photos and camera files: small ones in tests/data, the full set beside the repository."""
+"""Real photos and camera files: small ones in tests/data, the full set next to the repository."""
 
 from pathlib import Path
 
@@ -18,7 +18,7 @@ def photos(pattern):
 def full_photos(pattern):
     """Sorted files of ``pattern`` in full size; skips the test if they are not there."""
     if not _FULL.is_dir():
-        pytest.skip("the photos in full size are not in ../shared/data beside the repository; "
+        pytest.skip("the photos in full size are not in ../shared/data next to the repository; "
                     "tests/data/README.md says where they come from")
     return _sorted(_FULL, pattern)
 

@@ -118,7 +118,7 @@ async def status(host):
 
 
 async def end_frame(ctx, dut):
-    """One clock of ``ended``; returns in the clock behind it."""
+    """One clock of ``ended``; returns in the clock after it."""
     ctx.set(dut.ended, 1)
     await ctx.tick()
     ctx.set(dut.ended, 0)
@@ -181,30 +181,30 @@ class Contract:
     def __init__(self, active, words=0):
         self.active, self.words = active, words
         self.copies = 2 * words         # words left to be copied
-        self.kept = active | {"VALID_WINDOW": 0}
-        self.busy = self.pending = self.committed = self.refused = self.begin = self.take = False
+        self.held = active | {"VALID_WINDOW": 0}
+        self.busy = self.pending = self.committed = self.rejected = self.begin = self.take = False
         self.commits = self.waits = 0
 
     def holds_valid_row(self):
-        bank = self.kept["VALID_WINDOW"]
+        bank = self.held["VALID_WINDOW"]
         return ((self.busy or self.pending) and bank == self.active["VALID_BANK"]
-                or self.committed and bank == self.kept["VALID_BANK"])
+                or self.committed and bank == self.held["VALID_BANK"])
 
     def write_register(self, address, value):
         register = next((r for r in ROWS if r.address == address), None)
-        if register is None or register.name not in self.kept:
+        if register is None or register.name not in self.held:
             return
         if register.access == "shadow" and self.committed:
-            self.refused = True
+            self.rejected = True
         else:
-            self.kept = self.kept | {register.name: cut(register, value)}
+            self.held = self.held | {register.name: cut(register, value)}
 
     def step(self, write, address, value, ended, under_way):
         """One clock; whether a valid row was written in it."""
         control = value if write and address == BY_NAME["CTRL"].address else 0
-        before, row = self.kept, write and address >= TABLE
+        before, row = self.held, write and address >= TABLE
         row_taken = row and not self.holds_valid_row()
-        self.refused |= row and not row_taken
+        self.rejected |= row and not row_taken
         if write and not row:
             self.write_register(address, value)
         between = ((ended or not self.busy) and not self.begin

@@ -70,7 +70,7 @@ def random_light(shape, seed, left=0, top=0, nominal=0):
 
 
 def run_sensor(name, simulator, asked, light, count=2, fault=None):
-    """Compare ``count`` frames of the model with the twin's; ``asked``: fields of Settings."""
+    """Compare ``count`` frames with the reference model's; ``asked``: fields of Settings."""
     more = {} if fault is None else {"fault": vars(fault)}
     return run_cocotb(with_lines(name), "sensor", simulator, files={LIGHT: light.data()},
                       plusargs=light.plusargs(LIGHT) + (fault.plusargs() if fault else []),

@@ -14,7 +14,7 @@ _ROTATION, _BASELINE = (.012, -.035, .008), (-120.0, 1.3, -2.1)      # radians, 
 def stereo_maps(width, height, alpha=0.0):
     """((x, y) of the left, (x, y) of the right camera), float32 as initUndistortRectifyMap gives.
 
-    Barrel lenses that see 89 degrees across the width, turned against each other by 2 degrees and
+    Barrel lenses that see 89 degrees across the width, turned by 2 degrees to each other and
     mounted 120 mm apart. ``alpha``: as in ``cv2.stereoRectify``, 0: only pixels with a source, 1:
     all of the pictures, with corners that have none.
     """

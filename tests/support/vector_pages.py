@@ -32,8 +32,8 @@ def painted(data, per_mm):
     image = np.full((height, width), 255, np.uint8)
     for polygon in polygons:
         # Middles of pixels are whole numbers there; the fraction has four bits.
-        places = np.round((polygon * per_mm * fine - .5) * 16).astype(np.int32)
-        cv2.fillPoly(image, [places], 0, cv2.LINE_AA, 4)
+        corners = np.round((polygon * per_mm * fine - .5) * 16).astype(np.int32)
+        cv2.fillPoly(image, [corners], 0, cv2.LINE_AA, 4)
     return cv2.resize(image, (width // fine, height // fine), interpolation=cv2.INTER_AREA)
 
 
@@ -72,13 +72,13 @@ def _polygons(steps):
     """Closed outlines of (numbers, operator m, l or c, whether it closes), curves as lines."""
     found, outline = [], []
     for numbers, operator, closes in steps:
-        places = np.array(numbers.split(), float).reshape(-1, 2)
+        corners = np.array(numbers.split(), float).reshape(-1, 2)
         if operator == "m":
-            outline = [places[0]]
+            outline = [corners[0]]
         elif operator == "l":
-            outline.append(places[0])
+            outline.append(corners[0])
         elif operator == "c":
-            a, (b, c, d) = outline[-1], places
+            a, (b, c, d) = outline[-1], corners
             outline += [(1 - t)**3 * a + 3 * (1 - t)**2 * t * b + 3 * (1 - t) * t**2 * c + t**3 * d
                         for t in _BENDS]
         elif closes:

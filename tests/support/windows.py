@@ -21,6 +21,6 @@ def walking_windows(seed, size=(64, 48), reach=300):
     rng = np.random.default_rng(seed)
     steps = rng.integers(-1, 3, (2, size[0] * size[1]))
     jumps = rng.random(steps.shape) < .01
-    place = np.cumsum(steps + jumps * rng.integers(-60, 60, steps.shape), axis=1) % reach
-    x0, y0 = place.astype(np.int32).reshape(2, size[1], size[0])
+    position = np.cumsum(steps + jumps * rng.integers(-60, 60, steps.shape), axis=1) % reach
+    x0, y0 = position.astype(np.int32).reshape(2, size[1], size[0])
     return Windows(x0, y0, rng.random(x0.shape) >= .1)

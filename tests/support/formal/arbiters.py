@@ -46,7 +46,7 @@ class Arbiter(Wrapper):
         for k, here in enumerate(lefts):
             always(m, (here == 0) | ((owner == k) & (left == here) & held), f"burst_is_one{k}")
         always(m, (left == 0) | held, "held_in_burst")
-        always(m, (left == 0) | reduce(or_, (here != 0 for here in lefts)), "burst_of_somebody")
+        always(m, (left == 0) | reduce(or_, (here != 0 for here in lefts)), "burst_of_a_host")
         always(m, owner < self.count, "owner")
 
         waits = Signal(reset_less=True)
@@ -58,7 +58,7 @@ class Arbiter(Wrapper):
         standing = dut.hosts[0].write & self.urgent[0]
         always(m, held | ~standing | (served == 0), "urgent_first")
         always(m, held | bus.write | ~reduce(or_, (host.write for host in dut.hosts)),
-               "somebody_is_served")
+               "one_host_is_served")
         reached(m, (lefts[1] == 1) & dut.hosts[0].write & self.urgent[0], "urgent_waits")
         reached(m, (lefts[0] == 1) & dut.hosts[1].write & ~self.urgent.any(), "other_waits")
         return m
@@ -69,16 +69,16 @@ class Arbiter(Wrapper):
         left = Signal(2, name=f"left_of_{k}", reset_less=True)
         stands = Signal(name=f"stands_{k}", reset_less=True)     # it waited in the clock before
         count = Signal(2, name=f"count_of_{k}", reset_less=True)
-        place = Signal(8, name=f"place_of_{k}", reset_less=True)
+        address = Signal(8, name=f"address_of_{k}", reset_less=True)
         words = self.words.word_select(k, 2)
         m.d.comb += [host.write.eq(self.write[k]), host.burstcount.eq(words),
-                     host.address.eq(place)]
+                     host.address.eq(address)]
         given(m, ~host.write | (words != 0))
         given(m, (left == 0) & ~stands | (words == count))
         given(m, ~stands | host.write)
         m.d.sync += [stands.eq(host.write & host.waitrequest), count.eq(words)]
         with m.If(host.write & ~host.waitrequest):
-            m.d.sync += [left.eq(Mux(left == 0, words, left) - 1), place.eq(place + 1)]
+            m.d.sync += [left.eq(Mux(left == 0, words, left) - 1), address.eq(address + 1)]
         with m.If(self.memory_rst):
             m.d.sync += [left.eq(0), stands.eq(0)]
         return left

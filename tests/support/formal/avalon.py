@@ -1,11 +1,11 @@
-"""Avalon-MM read and write hosts: what they may do, with any memory behind them."""
+"""Avalon-MM read and write hosts: what they may do, with any memory."""
 
 from amaranth import *
 from amaranth.lib import data
 from amaranth.lib.wiring import In
 
 from formal.properties import always, given, inner, reached
-from formal.queue_state import places
+from formal.queue_state import entries
 from formal.wrapper import Wrapper
 from ncdc_hdl.avalon.burst_reader import BurstReader
 from ncdc_hdl.avalon.burst_writer import BurstWriter, word_layout
@@ -34,7 +34,7 @@ def check_read_host(m, bus, memory, *, limit):
     """Connect a memory that waits and answers when it likes, and check what it is asked.
 
     Resets of the design take nothing back. A reset of the memory, which the inputs of the wrapper
-    ``memory`` tell of as well, does; while it lasts it may answer anything. Returns the number of
+    ``memory`` say as well, does; while it lasts it may answer anything. Returns the number of
     words that the memory owes.
     """
     owed = Signal(range(2 * limit + 1), reset_less=True)
@@ -91,12 +91,12 @@ class Commands(Wrapper):
         read, words = dut.bus.read, dut.bus.burstcount
         due, some, stale = (inner(fragment, name) for name in ("due", "some", "stale"))
         always(m, (due == owed) & (some == (due != 0)), "owed_is_known")
-        always(m, owed + Mux(read, words, 0) <= self.LIMIT, "room_for_command")
+        always(m, owed + Mux(read, words, 0) <= self.LIMIT, "space_for_command")
         always(m, ~read | (words != 0), "words")
         always(m, lost | Mux(stale, fresh == 0, fresh == owed + Mux(read, words, 0)), "fresh")
         always(m, lost | ~dut.valid | (fresh != 0), "asked_for")
         always(m, stale | self.memory_rst | (dut.valid == self.readdatavalid), "all_handed_on")
-        # Nothing is owed and nobody resets: the next command is taken in the next clock.
+        # Nothing is owed and no reset comes: the next command is taken in the next clock.
         quiet = Signal(reset_less=True)
         m.d.sync += quiet.eq(~ResetSignal() & ~self.memory_rst & ~read & (owed == 0))
         always(m, ~quiet | read | dut.i.ready, "never_locked_up")
@@ -144,7 +144,7 @@ class Reader(Wrapper):
         lost = taken_away(m, self.memory_rst, (promised != queue.level) | taken)
         came = Mux(stale, 0, owed + Mux(read, words, 0))
         always(m, (due == owed) & (some == (due != 0)), "owed_is_known")
-        always(m, owed + Mux(read, words, 0) <= limit, "room_for_command")
+        always(m, owed + Mux(read, words, 0) <= limit, "space_for_command")
         always(m, ~read | (words != 0), "words")
         always(m, Mux(lost, promised >= queue.level, promised == queue.level + came), "promised")
         always(m, ~lost | stale, "lost_is_stale")
@@ -204,7 +204,7 @@ class Writer(Wrapper):
         layout = data.StructLayout({"address": len(bus.address),
                                     "count": range(self.burst + 1), "last": 1})
         queued = 0
-        for number, (there, item) in enumerate(places(m, bursts)):
+        for number, (there, item) in enumerate(entries(m, bursts)):
             size = data.View(layout, item).count
             queued = queued + Mux(there, size, 0)
             last = data.View(layout, item).last

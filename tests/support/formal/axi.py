@@ -72,25 +72,25 @@ class Reads(Wrapper):
         always(m, axi.rready & (host.readdatavalid == self.rvalid), "no_word_lost")
         # Words of commands that the host has given, less those that were offered to the memory.
         taken = self.read & ~host.waitrequest
-        asked, told = Signal(8, reset_less=True), Signal(8, reset_less=True)
+        asked, offers = Signal(8, reset_less=True), Signal(8, reset_less=True)
         begun = self._begins(m, offered, accepted)
         m.d.sync += [asked.eq(asked + Mux(taken, self.words, 0)),
-                     told.eq(told + Mux(begun, axi.arlen + 1, 0))]
+                     offers.eq(offers + Mux(begun, axi.arlen + 1, 0))]
         with m.If(self.memory_rst):
-            m.d.sync += [asked.eq(0), told.eq(0)]
-        total = (told + Mux(begun, axi.arlen + 1, 0))[:8]
+            m.d.sync += [asked.eq(0), offers.eq(0)]
+        total = (offers + Mux(begun, axi.arlen + 1, 0))[:8]
         first = Signal(2)               # words of the command that are offered already
         m.d.comb += first.eq(Mux(second, (1 << PAGE_BITS) - command[:PAGE_BITS], 0))
         always(m, total == (asked + first)[:8], "all_asked_for")
         always(m, ~second | stands & (command[:PAGE_BITS] + command[32:] > (1 << PAGE_BITS)),
                "second_of_a_command")
-        # The burst is the command's: it begins at its place.
-        place, from_ = Signal(32, reset_less=True), Signal(32)
+        # The burst is the command's: it begins at its address.
+        at, from_ = Signal(32, reset_less=True), Signal(32)
         m.d.comb += from_.eq(Mux(second, Cat(Const(0, PAGE_BITS), self.address[PAGE_BITS:] + 1),
                                  self.address))
         with m.If(self.read & (~offered | axi.arready)):
-            m.d.sync += place.eq(from_)
-        always(m, ~offered | (axi.araddr == place), "at_its_place")
+            m.d.sync += at.eq(from_)
+        always(m, ~offered | (axi.araddr == at), "at_its_address")
         reached(m, second & (bursts != 0), "crosses")
         reached(m, owed == _PENDING, "full")
         forgot = Signal(reset_less=True)
@@ -190,16 +190,16 @@ class Writes(Wrapper):
         given(m, ~stands | self.write & (command == now))
         always(m, mine == left, "no_word_lost")
         always(m, (piece <= left) & (left < _BURST), "pieces")
-        always(m, (left == 0) | (page == first[PAGE_BITS:] + 1), "page_behind")
+        always(m, (left == 0) | (page == first[PAGE_BITS:] + 1), "page_after")
         # What is taken is offered in the next clock.
         was_taken, word = Signal(reset_less=True), Signal(_WIDTH, reset_less=True)
-        began, place = Signal(reset_less=True), Signal(32, reset_less=True)
+        began, at = Signal(reset_less=True), Signal(32, reset_less=True)
         m.d.sync += [was_taken.eq(taken & ~bus_rst), word.eq(self.word),
                      began.eq(begins & ~bus_rst),
-                     place.eq(Mux(mine == 0, self.address,
+                     at.eq(Mux(mine == 0, self.address,
                                   Cat(Const(0, PAGE_BITS), first[PAGE_BITS:] + 1)))]
         always(m, ~was_taken | offered & (axi.wdata == word), "offered_at_once")
-        always(m, ~began | named & (axi.awaddr == place), "at_its_place")
+        always(m, ~began | named & (axi.awaddr == at), "at_its_address")
 
     def _answers(self, m, fragment, begun, bus_rst):
         """Each of the host's bursts gets one answer."""
@@ -220,7 +220,7 @@ class Writes(Wrapper):
             always(m, ~finals[k] | (owed > k), f"final{k}")
         always(m, worst == spoiled, "failures_are_known")
         always(m, ~host.writeresponsevalid
-               | (host.response[1] == (self.bresp[1] | worst)), "failure_is_told")
+               | (host.response[1] == (self.bresp[1] | worst)), "failure_is_reported")
         reached(m, host.writeresponsevalid & worst & ~self.bresp[1], "first_part_failed")
 
 
@@ -280,6 +280,6 @@ class Accesses(Wrapper):
         with m.If(awaiting & ResetSignal() & ~bus_rst):
             m.d.sync += again.eq(1)
         reached(m, again & axi.rvalid & axi.rready, "asked_again")
-        reached(m, axi.bvalid & (axi.bresp != 0), "refused")
+        reached(m, axi.bvalid & (axi.bresp != 0), "rejected")
         reached(m, came & writing, "both")
         return m

@@ -24,7 +24,7 @@ class Pins(Wrapper):
 
     def __init__(self, kind=SensorPort):
         self.dut = kind()
-        super().__init__({"frame": In(1), "line": In(1), "room": In(1), "enable": In(1)})
+        super().__init__({"frame": In(1), "line": In(1), "space": In(1), "enable": In(1)})
 
     def elaborate(self, platform):
         m = Module()
@@ -33,15 +33,15 @@ class Pins(Wrapper):
         settings = dut.settings
         m.d.comb += [
             dut.pins.frame_valid.eq(self.frame), dut.pins.line_valid.eq(self.line),
-            dut.space.eq(self.room), dut.enable.eq(self.enable),
+            dut.space.eq(self.space), dut.enable.eq(self.enable),
             settings.sent_width.eq(self.WIDTH), settings.sent_height.eq(self.HEIGHT),
             settings.width.eq(self.WIDTH), settings.height.eq(self.HEIGHT),
         ]
         constant(m, self.enable)
-        # No reset: what one does to a frame the writer behind the queue sees.
+        # No reset: what one does to a frame the writer after the queue sees.
         given(m, ~ResetSignal())
         entry, report = dut.entry, data.View(REPORT, dut.entry.data)
-        pushed = dut.push & self.room
+        pushed = dut.push & self.space
         words, rows, inside = Signal(4), Signal(4), Signal()
         with m.If(pushed):
             with m.Switch(entry.kind):
@@ -58,7 +58,7 @@ class Pins(Wrapper):
         entries = -(-self.WIDTH // 4) * self.HEIGHT
         always(m, ~(ends & clean) | (words == entries) & (rows == self.HEIGHT), "nothing_lost")
         always(m, ~pushed | (inside == (entry.kind != Kind.BEGIN)), "in_order")
-        always(m, ~dut.push | self.room, "no_overflow")
+        always(m, ~dut.push | self.space, "no_overflow")
         reached(m, ends & clean, "clean")
         reached(m, ends & report.overflow, "overflow")
         return m

@@ -1,11 +1,11 @@
-"""Fences: nothing is asked for, or written, outside a frame's place in memory."""
+"""Fences: nothing is asked for, or written, outside a frame's buffer in memory."""
 
 from amaranth import *
 from amaranth.lib import data
 from amaranth.lib.wiring import In
 
 from formal.properties import always, constant, given, inner, reached
-from formal.queue_state import places
+from formal.queue_state import entries
 from formal.wrapper import Wrapper
 from ncdc_hdl.avalon.burst_writer import BurstWriter, word_layout
 from ncdc_hdl.avalon.bus import ADDRESS_BITS
@@ -19,9 +19,9 @@ __all__ = ["FencedReads", "FencedWords", "WordsInBursts"]
 
 
 class FencedReads(Wrapper):
-    """``ReadFence`` with any commands, any place that is not empty.
+    """``ReadFence`` with any commands, any buffer that is not empty.
 
-    Asserts that all words of a command are inside the place, whole, and aligned, and that each
+    Asserts that all words of a command are inside the buffer, whole, and aligned, and that each
     command that is taken leaves once, with as many words, in order.
     """
 
@@ -58,7 +58,7 @@ class FencedReads(Wrapper):
         return m
 
     def _in_order(self, m, fragment):
-        """The words of the commands under way, oldest first, beside what the relay holds."""
+        """The words of the commands under way, oldest first, and what the relay holds."""
         dut, o = self.dut, self.dut.o.p
         level = Signal(range(3))
         words = [Signal.like(self.command.words, name=f"words{k}") for k in range(2)]
@@ -88,7 +88,7 @@ class FencedReads(Wrapper):
 class FencedWords(Wrapper):
     """``Packer`` with any pixels, formats, sizes, strips, base and limit, reset at any time.
 
-    Asserts that each word that is no void one is inside the place, aligned, and where the one
+    Asserts that each word that is no void one is inside the buffer, aligned, and where the one
     before it ends unless that one said otherwise.
     """
 
@@ -96,7 +96,7 @@ class FencedWords(Wrapper):
         self.dut, self.word = kind(data_width, lanes), data_width // 8
         super().__init__({
             "start": In(1), "base": In(ADDRESS_BITS), "limit": In(ADDRESS_BITS),
-            "order": In(ORDER), "format": In(FORMAT), "refuse": In(1), "valid": In(1),
+            "order": In(ORDER), "format": In(FORMAT), "reject": In(1), "valid": In(1),
             "pixel": In(pixel_layout(lanes)), "ready": In(1)})
 
     def elaborate(self, platform):
@@ -113,7 +113,7 @@ class FencedWords(Wrapper):
         given(m, ~self.valid | (running & ~self.start))
         m.d.comb += [dut.start.eq(self.start), dut.base.eq(self.base), dut.limit.eq(self.limit),
                      dut.order.eq(self.order), dut.format.eq(self.format),
-                     dut.reject.eq(self.refuse),
+                     dut.reject.eq(self.reject),
                      dut.i.valid.eq(self.valid), dut.i.payload.eq(self.pixel),
                      dut.o.ready.eq(self.ready)]
         end = Signal(ADDRESS_BITS + 1)
@@ -130,7 +130,7 @@ class FencedWords(Wrapper):
 
 
 class WordsInBursts(Wrapper):
-    """``BurstWriter`` with words that are inside a place and follow each other in it.
+    """``BurstWriter`` with words that are inside a buffer and follow each other in it.
 
     Asserts that each word on the bus, whose address is its burst's and one more for each word
     before it, is inside.
@@ -164,7 +164,7 @@ class WordsInBursts(Wrapper):
         always(m, (count == 0) | inside(address, count), "gathered")
         layout = data.StructLayout({"address": len(bus.address),
                                     "count": range(self.burst + 1), "last": 1})
-        for number, (there, item) in enumerate(places(m, bursts)):
+        for number, (there, item) in enumerate(entries(m, bursts)):
             burst = data.View(layout, item)
             always(m, ~there | (burst.count == 0) | inside(burst.address, burst.count),
                    f"queued{number}")

@@ -1,4 +1,4 @@
-"""Fills of the tile cache: credits, the order of tiles, and when a place is written."""
+"""Fills of the tile cache: credits, the order of tiles, and when a slot is written."""
 
 from amaranth import *
 from amaranth.lib.wiring import In
@@ -12,7 +12,7 @@ from ncdc_hdl.backend.cache.layouts import tile_layout, word_bytes
 from ncdc_spec.cache_options import CacheOptions
 from ncdc_spec.interpolation import FAST
 
-__all__ = ["FillOrder", "FillRoom"]
+__all__ = ["FillOrder", "FillSpace"]
 
 
 class _Fills(Wrapper):
@@ -37,15 +37,15 @@ class _Fills(Wrapper):
         fragment = self.design(m, dut)
         owed = check_read_host(m, dut.bus, self, limit=self.limit)
         given(m, ~self.claim | dut.credit)
-        # A place of 64 kbytes; what is outside is moved to its begin.
+        # A buffer of 64 kbytes; what is outside is moved to its begin.
         m.d.comb += [dut.limit.eq(1 << 16), dut.height.eq(64)]
         m.d.comb += [dut.memory_rst.eq(self.memory_rst),
                      dut.claim.eq(self.claim), dut.tile.eq(self.tile)]
         return fragment, owed
 
 
-class FillRoom(_Fills):
-    """Reset at any time, the memory too or not: no more tiles than allowed, and room for all.
+class FillSpace(_Fills):
+    """Reset at any time, the memory too or not: no more tiles than allowed, and space for all.
 
     Asserts that no queue overflows, that each word comes for a tile that was claimed, and that
     the memory never owes more than ``outstanding`` tiles.
@@ -79,7 +79,7 @@ class FillRoom(_Fills):
             + (relayed + ~free) * dut.burst
             + Mux(stale, 0, Mux(read, words, 0) + owed))
         always(m, (due == owed) & (some == (due != 0)), "owed_is_known")
-        always(m, owed + Mux(read, words, 0) <= self.limit, "room_for_command")
+        always(m, owed + Mux(read, words, 0) <= self.limit, "space_for_command")
         always(m, words <= dut.burst, "burst")
         always(m, ~read | (words == dut.burst), "burst_constant")
         always(m, ~relayed | (offered[ADDRESS_BITS:-1] == dut.burst), "burst_relayed")
@@ -89,7 +89,7 @@ class FillRoom(_Fills):
         always(m, lost | (asked + coming + complete * beats == (claim + slots.level) * beats),
                "a_word_for_each_beat")
         always(m, ~lost | stale, "lost_is_stale")
-        always(m, claimed.level <= slots.level, "a_place_for_each_claim")
+        always(m, claimed.level <= slots.level, "a_slot_for_each_claim")
         always(m, (outstanding == claim + slots.level) & (outstanding <= most), "outstanding")
         always(m, dut.credit == (outstanding != most), "credit_flag")
         always(m, step == ~(known[-1] & a_valid), "step")
@@ -109,7 +109,7 @@ class FillRoom(_Fills):
 
 
 class FillOrder(_Fills):
-    """Without resets: the words of each tile come from its rows and go to its place, in order.
+    """Without resets: the words of each tile come from its rows and go to its slot, in order.
 
     One claim, any, is watched. Its words are asked for at its addresses only, one command per
     row; they are written to its slot, row by row, between the claim and ``filled``; its slot is
@@ -130,7 +130,7 @@ class FillOrder(_Fills):
         m = Module()
         dut, most, beats = self.dut, self.dut.options.outstanding, self.beats
         given(m, ~ResetSignal() & ~self.memory_rst)
-        # The address tells tile and row: row pitch 64, two bits of x and of y.
+        # The address names tile and row: row pitch 64, two bits of x and of y.
         given(m, (self.tile.x < 4) & (self.tile.y < 4))
         m.d.comb += dut.pitch.eq(self.PITCH)
         fragment, owed = self.start(m)
@@ -152,7 +152,7 @@ class FillOrder(_Fills):
                          ahead.eq(outstanding + 1 - dut.filled)]
         with m.Elif(dut.filled & (ahead != 0)):
             m.d.sync += ahead.eq(ahead - 1)
-        # The command for its row k is number 4 first + k, those in front and behind are not.
+        # The command for its row k is number 4 first + k, those before and after are not.
         row = (commands - self.rows * first)[:6]
         mine = watching & accepted & (row < self.rows)
         address = (tile.y * self.rows + row) * self.PITCH + (tile.x << 4)
@@ -165,7 +165,7 @@ class FillOrder(_Fills):
         beat = (written - beats * first)[:8]
         writes = came[1] & watching & (beat < beats)
         always(m, ~writes | ((dut.fill.slot == tile.slot) & (dut.fill.row == beat // dut.burst)),
-               "place")
+               "slot")
         always(m, ~writes | (ahead == 1), "only_while_claimed")
         always(m, ~(dut.fill.enable.any()) | came[1], "nothing_else_written")
         always(m, ~(watching & dut.filled & (ahead == 1)) | (came[1] & (beat == beats - 1)),

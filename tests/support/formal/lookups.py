@@ -5,7 +5,7 @@ from amaranth.lib import data
 from amaranth.lib.wiring import In
 
 from formal.properties import always, constant, given, inner, reached
-from formal.queue_state import places
+from formal.queue_state import entries
 from formal.wrapper import Wrapper
 from ncdc_hdl.backend.cache.layouts import lookup_layout, row_bits
 from ncdc_hdl.backend.cache.retire import Retire
@@ -14,7 +14,7 @@ from ncdc_hdl.lib.relay import Relay
 from ncdc_spec.cache_options import CacheOptions
 from ncdc_spec.interpolation import FAST
 
-__all__ = ["Places", "Progress", "Tokens"]
+__all__ = ["Progress", "Slots", "Tokens"]
 
 _BITS = 2                               # of a tile's column and row
 
@@ -72,7 +72,7 @@ class _Lookups(Wrapper):
     def _lookup(self, m):
         """The look-up of a window that begins at the input's tile."""
         lookup = Signal(lookup_layout(_BITS, self.options, 1))
-        place, mask = lookup.position, (1 << self.split) - 1
+        position, mask = lookup.position, (1 << self.split) - 1
         for odd in range(2):
             pair_x = (self.tile_x + (1 - odd)) >> 1
             m.d.comb += [lookup.pair_x[odd].eq(pair_x), lookup.set_x[odd].eq(pair_x & mask)]
@@ -84,11 +84,11 @@ class _Lookups(Wrapper):
                 ~self.blank & (self.across | (self.tile_x[0] == bank & 1))
                 & (self._below(self.tile_y, bank) <= self.down))
         m.d.comb += [
-            place.lane[0].x.eq(Mux(self.across, 14, 0)),
-            place.lane[0].y.eq(self.down << 1),
-            place.lane[0].fx.eq(self.tile_x), place.lane[0].fy.eq(self.tile_y),
-            place.lane[0].blank.eq(self.blank), place.last.eq(self.last),
-            place.first.eq(self.odd_frame)]
+            position.lane[0].x.eq(Mux(self.across, 14, 0)),
+            position.lane[0].y.eq(self.down << 1),
+            position.lane[0].fx.eq(self.tile_x), position.lane[0].fy.eq(self.tile_y),
+            position.lane[0].blank.eq(self.blank), position.last.eq(self.last),
+            position.first.eq(self.odd_frame)]
         return lookup
 
 
@@ -98,17 +98,17 @@ class _Lookups(Wrapper):
         return ((bank >> 1) - tile_y[:bits])[:bits]
 
 
-class Places(_Lookups):
-    """Without resets: no window reads a place that is not its tile's, or that is being written.
+class Slots(_Lookups):
+    """Without resets: no window reads a slot that is not its tile's, or that is being written.
 
     Begins when the reset's clearing of all entries ends, which saves as many clocks as sets: the
     entries' memory begins with what clearing writes.
 
     A claimed tile may be written in each clock after its claim up to and including that of
-    ``filled``; that is what ``FillOrder`` proves of the fills. One place, any, is watched: which
+    ``filled``; that is what ``FillOrder`` proves of the fills. One slot, any, is watched: which
     tile it holds, and whether it is being written. Asserts that a window whose samples lie in the
-    watched place reads it while it holds its tile, of its frame, and is not being written
-    (``own_tile``), and that a place is not claimed while it is being filled (``filled_once``).
+    watched slot reads it while it holds its tile, of its frame, and is not being written
+    (``own_tile``), and that a slot is not claimed while it is being filled (``filled_once``).
     ``one_bank`` has windows within one tile only, of one bank, which allows of longer runs.
     """
 
@@ -127,7 +127,7 @@ class Places(_Lookups):
                   & (self.watch[2:] == 0))
         fragment, outstanding = self.start(m)
 
-        # The watched place.
+        # The watched slot.
         constant(m, self.watch)
         holds, held = Signal(), Signal(data.StructLayout(
             {"x": _BITS + 1, "y": _BITS + 1, "odd_frame": 1}))
@@ -151,8 +151,8 @@ class Places(_Lookups):
                 m.d.sync += holds.eq(1)
 
         # The window that reads now.
-        place = data.View(retire.position_shape, inner(fragment, "retire", "b"))
-        lane = place.lane[0]
+        position = data.View(retire.position_shape, inner(fragment, "retire", "b"))
+        lane = position.lane[0]
         reads, wrong = Signal(), Signal()
         for bank in range(self.options.tag_banks):
             tile_x, tile_y = Signal(_BITS + 1), Signal(_BITS + 1)
@@ -165,11 +165,11 @@ class Places(_Lookups):
             with m.If(retire.retire & ~lane.blank & needed & (slot == self.watch)):
                 m.d.comb += [reads.eq(1),
                              wrong.eq(~holds | (held.x != tile_x) | (held.y != tile_y)
-                                      | (held.odd_frame != place.first))]
+                                      | (held.odd_frame != position.first))]
         always(m, ~wrong, "own_tile")
         always(m, ~claimed | (ahead == 0), "filled_once")
         reached(m, reads & replaced, "replaced")
-        reached(m, reads & place.first, "next_frame")
+        reached(m, reads & position.first, "next_frame")
         reached(m, tags.stalls.interlock & retire.retire, "interlock")
         return m
 
@@ -178,7 +178,7 @@ class Tokens(_Lookups):
     """Reset at any time: tokens and pending look-ups are counted right.
 
     Asserts that the balance of tokens and the tiles outstanding together are the tiles claimed by
-    look-ups behind the oldest, so that no token is spent that is not there, and that the queue
+    look-ups after the oldest, so that no token is spent that is not there, and that the queue
     does not overflow.
     """
 
@@ -199,13 +199,13 @@ class Tokens(_Lookups):
                              for name in ("left", "done", "final"))
         o_valid, o, free, aside = (inner(fragment, "tags", "claims", "relay", name)
                                    for name in ("o__valid", "o", "free", "aside"))
-        level, room, numbers, retirals = (
+        level, space, numbers, retirals = (
             inner(fragment, "tags", "pending", name) for name in
             ("level", "space", "numbers", "retirals"))
 
         always(m, level == push + queue.level + oldest_valid + b_valid, "pushed_not_read")
         always(m, level <= most, "most_pending")
-        always(m, room == (level != most), "room_flag")
+        always(m, space == (level != most), "space_flag")
         always(m, (numbers - retirals)[:len(numbers)] == level, "numbers")
         # Tiles still to be claimed: `need` is at the end of a look-up's tiles.
         banks = self.options.tag_banks
@@ -213,7 +213,7 @@ class Tokens(_Lookups):
         claimed = -(Mux(done, 0, sum(claiming)) + Mux(o_valid, sum(next_one), 0)
                     + Mux(free, 0, sum(second)))
         for number, (there, own) in enumerate([(push, owed), *(
-                (there, item[-len(owed):].as_signed()) for there, item in places(m, queue))]):
+                (there, item[-len(owed):].as_signed()) for there, item in entries(m, queue))]):
             claimed = claimed - Mux(there, own, 0)
             always(m, ~there | ((own <= 0) & (own >= -self.options.tag_banks)), f"misses{number}")
         # An empty stage misses nothing.

@@ -11,7 +11,7 @@ from ncdc_hdl.avalon.wishbone import WishboneAgent
 __all__ = ["NativeReads", "NativeWrites", "WishboneAccesses"]
 
 _WIDTH, _BURST, _DEPTH = 8, 3, 2
-_PLACES = 1 << 4        # where bursts of writes begin: wider sums take the solver long
+_STARTS = 1 << 4        # where bursts of writes begin: wider sums take the solver long
 
 
 class NativeReads(Wrapper):
@@ -60,7 +60,7 @@ class NativeWrites(Wrapper):
     that it took when it likes.
 
     Asserts that there is a word whenever it asks; that the watched word, any of the first four,
-    leaves as it came, behind a command of its own address; and that each burst is answered once,
+    leaves as it came, after a command of its own address; and that each burst is answered once,
     one clock after its last word was taken.
     """
 
@@ -81,7 +81,7 @@ class NativeWrites(Wrapper):
         accepted = bus.write & ~bus.waitrequest
         number = Signal(2)                      # of the word in its burst
         first = left == 0
-        place = Mux(first, bus.address, base) + Mux(first, 0, number)
+        address = Mux(first, bus.address, base) + Mux(first, 0, number)
         last = Mux(first, bus.burstcount == 1, left == 1)
         m.d.comb += [bus.write.eq(self.write), bus.address.eq(self.address),
                      bus.burstcount.eq(self.words), bus.writedata.eq(self.data),
@@ -89,7 +89,7 @@ class NativeWrites(Wrapper):
                      port.wdata_ready.eq(self.wanted)]
         given(m, (self.words != 0) & (self.words <= _BURST))
         given(m, ~stays | self.write & (shown == before))
-        given(m, self.address < _PLACES)
+        given(m, self.address < _STARTS)
         # The controller asks for words of commands that it took before; none in a reset.
         given(m, ~self.wanted | (words != commands))
         given(m, ~ResetSignal())
@@ -103,12 +103,12 @@ class NativeWrites(Wrapper):
         commanded = port.cmd_valid & port.cmd_ready
         taken = port.wdata_valid & port.wdata_ready
         m.d.sync += [commands.eq(commands + commanded), words.eq(words + taken)]
-        its_place, its_data, its_last = Signal(32), Signal(_WIDTH), Signal()
+        its_address, its_data, its_last = Signal(32), Signal(_WIDTH), Signal()
         with m.If(accepted & (came == self.watched)):
-            m.d.sync += [its_place.eq(place), its_data.eq(bus.writedata), its_last.eq(last)]
+            m.d.sync += [its_address.eq(address), its_data.eq(bus.writedata), its_last.eq(last)]
         always(m, ~self.wanted | port.wdata_valid, "a_word_is_there")
         always(m, ~commanded | (commands < came) & port.cmd_we, "of_a_word")
-        always(m, ~commanded | (commands != self.watched) | (port.cmd_addr == its_place),
+        always(m, ~commanded | (commands != self.watched) | (port.cmd_addr == its_address),
                "own_address")
         always(m, ~taken | (words != self.watched) | (port.wdata_data == its_data)
                & (port.wdata_we == 1), "own_word")
@@ -129,7 +129,7 @@ class WishboneAccesses(Wrapper):
 
     Asserts that the agent is asked for one thing at a time; that a write is acknowledged as the
     agent takes it, and a read with its own word, never with that of an access given up; that a
-    part of a word is refused.
+    part of a word is rejected.
     """
 
     def __init__(self, design=WishboneAgent):
@@ -169,11 +169,11 @@ class WishboneAccesses(Wrapper):
                "written_once")
         always(m, ~(host.ack & self.we) | (self.sel == 0xF), "whole_words")
         always(m, ~(agent.read | agent.write) | (agent.address == self.adr), "own_address")
-        always(m, ~over | self.asked, "nobody_else")
+        always(m, ~over | self.asked, "no_other")
         # Of the state, for the induction.
         always(m, inner(fragment, "waiting") == owed, "waiting_is_owed")
         always(m, ~owed | (inner(fragment, "given_up") == ~own), "given_up_is_known")
         always(m, ~(owed & own) | stays & ~before[0], "own_is_a_read")
         reached(m, self.comes & read & ~own, "after_one_given_up")
-        reached(m, host.err, "refused")
+        reached(m, host.err, "rejected")
         return m

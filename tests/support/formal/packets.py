@@ -17,7 +17,7 @@ __all__ = ["WholePackets"]
 
 
 class WholePackets(Wrapper):
-    """``queue`` between any writer that keeps to its room and any receiver.
+    """``queue`` between any writer that keeps to its space and any receiver.
 
     Asserts that a packet that has begun has a beat in each clock until its end, and that no beat is
     read that is not there.
@@ -33,7 +33,7 @@ class WholePackets(Wrapper):
         within = dut.elaborate(platform)
         # The memory itself, for induction.
         ports = [within.submodules.beats.read_port(domain="comb") for _ in range(dut.depth)]
-        within.d.comb += [port.addr.eq(place) for place, port in enumerate(ports)]
+        within.d.comb += [port.addr.eq(row) for row, port in enumerate(ports)]
         m.submodules.dut = fragment = Fragment.get(within, platform)
         whole, read = inner(fragment, "whole"), within.submodules.beats.read_ports[0]
         step, consume = read.en, read.addr
@@ -49,8 +49,8 @@ class WholePackets(Wrapper):
         m.d.comb += going.eq(dut.o.valid & ~oldest.beat.last)
         m.d.sync += going_on.eq(going)
         ends = [data.View(ENTRY, port.data).beat.last
-                & ((place + dut.depth - consume) % dut.depth < level)
-                for place, port in enumerate(ports)]
+                & ((row + dut.depth - consume) % dut.depth < level)
+                for row, port in enumerate(ports)]
         always(m, ~going_on | dut.o.valid, "no_pause")
         always(m, ~step | (level != 0), "there")
         always(m, (level <= dut.depth) & (consume < dut.depth) & (produce < dut.depth)

@@ -9,7 +9,7 @@ __all__ = ["Property", "always", "constant", "given", "inner", "reached"]
 def inner(fragment, *path):
     """The signal at ``path`` (parts of the design, then the name) inside an elaborated design.
 
-    What a proof by induction says of the state needs signals that are nobody else's concern.
+    What a proof by induction says of the state needs signals that are no other module's concern.
     """
     for name in path[:-1]:
         fragment = fragment.find_subfragment(name)

@@ -10,16 +10,16 @@ from amaranth.lib.fifo import SyncFIFOBuffered
 from formal.properties import Property, always, inner
 from ncdc_hdl.lib.memory import Fifo
 
-__all__ = ["opened", "places"]
+__all__ = ["entries", "opened"]
 
 
 @contextmanager
-def opened(queues, places_missing):
+def opened(queues, entries_missing):
     """Queues elaborated meanwhile are added to ``queues``, and assert that nothing is written into
-    them while they are full. Each has ``places_missing`` places less than it was made with."""
+    them while they are full. Each has ``entries_missing`` entries less than it was made with."""
     def smaller(create):
         def init(queue, *, depth, **options):
-            create(queue, depth=depth - places_missing, **options)
+            create(queue, depth=depth - entries_missing, **options)
         return init
 
     def checked(elaborate, rows_of, state):
@@ -57,32 +57,33 @@ def _say(fragment, condition, name):
 
 def _library(queue, fragment):
     """(Whether it is there, item) of what is no longer in the memory."""
-    kept = queue.level - queue.r_rdy
-    _say(fragment, (queue.level >= queue.r_rdy) & (kept <= max(1, queue.depth - 1)), "kept")
-    _say(fragment, queue.r_rdy | (kept <= 1), "output_first")
+    stored = queue.level - queue.r_rdy
+    _say(fragment, (queue.level >= queue.r_rdy) & (stored <= max(1, queue.depth - 1)),
+         "stored_words")
+    _say(fragment, queue.r_rdy | (stored <= 1), "output_first")
     return [(queue.r_rdy, queue.r_data)]
 
 
 def _own(queue, fragment):
-    """The same of a queue with two stages behind the memory."""
-    kept, read_valid, both, some, full = (inner(fragment, name) for name in (
+    """The same of a queue with two stages after the memory."""
+    stored, read_valid, both, some, full = (inner(fragment, name) for name in (
         "stored", "read_valid", "both", "some", "full"))
-    _say(fragment, queue.level == kept + read_valid + queue.r_rdy, "kept")
+    _say(fragment, queue.level == stored + read_valid + queue.r_rdy, "stored_words")
     _say(fragment, (queue.level <= queue.depth) & (full == (queue.level == queue.depth)),
          "full_flag")
-    _say(fragment, some == (kept != 0), "some_flag")
+    _say(fragment, some == (stored != 0), "some_flag")
     _say(fragment, both == (read_valid & queue.r_rdy), "both_flag")
-    _say(fragment, (read_valid & queue.r_rdy) | (kept <= 1), "output_first")
+    _say(fragment, (read_valid & queue.r_rdy) | (stored <= 1), "output_first")
     return [(queue.r_rdy, queue.r_data), (read_valid, queue.read)]
 
 
-def places(m, queue):
-    """(Whether it is there, item) of each place in a queue of at least three."""
+def entries(m, queue):
+    """(Whether it is there, item) of each entry in a queue of at least three."""
     (consume, produce), rows = queue.pointers, len(queue.rows)
-    kept = queue.level - sum(there for there, _ in queue.output)
-    end = consume + kept
+    stored = queue.level - sum(there for there, _ in queue.output)
+    end = consume + stored
     always(m, (consume < rows) & (produce == Mux(end >= rows, end - rows, end)),
            f"pointers{len(queue.r_data)}")
     return queue.output + [
-        (Mux(consume <= row, row - consume, row + rows - consume) < kept, item)
+        (Mux(consume <= row, row - consume, row + rows - consume) < stored, item)
         for row, item in enumerate(queue.rows)]

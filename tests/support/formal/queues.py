@@ -1,4 +1,4 @@
-"""The queue with credits behind a free-running pipeline."""
+"""The queue with credits after a free-running pipeline."""
 
 from amaranth import *
 from amaranth.lib.wiring import In
@@ -11,7 +11,7 @@ __all__ = ["Credits"]
 
 
 class Credits(Wrapper):
-    """``CreditQueue`` behind a pipeline of any latency, even a varying one, in front of any reader.
+    """``CreditQueue`` after a pipeline of any latency, even a varying one, in front of any reader.
 
     Asserts that the queue never overflows, that credits are what is on the way, and that all of
     it comes out. ``credit_error`` items too many are issued.
@@ -29,7 +29,7 @@ class Credits(Wrapper):
         [queue] = self.queues
         under_way = Signal(range(2 * dut.depth + 1))
         late = Signal(range(self.credit_error + 1))   # issued without leave
-        may = Signal()                                # there was room in the clock before
+        may = Signal()                                # there was space in the clock before
         m.d.sync += [may.eq(dut.space), late.eq(late + (self.issue & ~may))]
         m.d.comb += [dut.issue.eq(self.issue), dut.arrive.eq(self.arrive),
                      dut.o.ready.eq(self.ready)]
@@ -42,7 +42,7 @@ class Credits(Wrapper):
         always(m, in_flight + issued == under_way + arrived, "in_flight")
         always(m, claimed + issued == under_way + arrived + queue.level + taken, "claimed")
         always(m, claimed + issued <= dut.depth, "depth")
-        for k, (signal, name) in enumerate([(may, "may"), (dut.space, "room"), (more, "more")]):
+        for k, (signal, name) in enumerate([(may, "may"), (dut.space, "space"), (more, "more")]):
             always(m, ~signal | (claimed + issued < dut.depth - k), name)
         always(m, ~dut.drained | (under_way == 0), "drained")
         reached(m, queue.level == dut.depth, "full")

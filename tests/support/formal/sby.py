@@ -54,5 +54,5 @@ def run(top, folder, *, mode, depth, only=None):
     if not found:
         raise RuntimeError(f"sby gave no result: {result.stdout}{result.stderr}")
     names = re.findall(r"summary: .*check_flatten_(\w+?)__\d+ at", result.stdout)
-    # A part that is called like a signal has a number behind its name.
+    # A part that is called like a signal has a number after its name.
     return found[1], {re.sub(r"_\d+$", "", name.replace("__", ".")) for name in names}

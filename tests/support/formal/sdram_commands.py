@@ -26,12 +26,12 @@ class Commands(Wrapper):
 
     def __init__(self, data_width=8, max_burst=1, longest=22, *, kind=Sequencer, banks=None,
                  period=None):
-        self.place = AddressMapping(CHIP, data_width, max_burst)
+        self.mapping = AddressMapping(CHIP, data_width, max_burst)
         self.clocks = clocks_of(CHIP, 1e9)
-        self.dut = kind(self.place, self.clocks, tag_bits=1)
+        self.dut = kind(self.mapping, self.clocks, tag_bits=1)
         assert longest is None or longest < self.dut.delay
         if banks:
-            self.dut.banks = banks(self.place, self.clocks)
+            self.dut.banks = banks(self.mapping, self.clocks)
         if period:
             self.dut.init_refresh.period = period
         self.longest = longest
@@ -39,11 +39,11 @@ class Commands(Wrapper):
 
     def elaborate(self, platform):
         m = Module()
-        dut, place = self.dut, self.place
+        dut, mapping = self.dut, self.mapping
         fragment = self.design(m, dut)
         job, command = self.job, dut.command
-        given(m, (job.words != 0) & (job.words <= place.max_burst)
-              & (job.column + job.words <= 1 << place.column_bits))
+        given(m, (job.words != 0) & (job.words <= mapping.max_burst)
+              & (job.column + job.words <= 1 << mapping.column_bits))
         m.d.comb += [dut.i.valid.eq(self.valid), dut.i.payload.eq(job)]
         self._segments(m, fragment)
         self._rows_and_times(m, fragment)
@@ -89,15 +89,15 @@ class Commands(Wrapper):
         always(m, ~second_valid | (one_word == (inside_second.words == 1)), "one_word")
         for name, valid, each in (("first", first_valid, inside_first),
                                   ("second", second_valid, inside_second)):
-            always(m, ~valid | (each.words != 0) & (each.words <= self.place.max_burst),
+            always(m, ~valid | (each.words != 0) & (each.words <= self.mapping.max_burst),
                    f"words_of_{name}")
         reached(m, over & (count == 2) & (first.bank == second.bank) & (first.row != second.row),
                 "next_row_of_the_bank")
 
     def _rows_and_times(self, m, fragment):
         """Each word in its row; no command before its time."""
-        command, clocks, place = self.dut.command, self.clocks, self.place
-        beats, word = place.beats, command.read | command.write
+        command, clocks, mapping = self.dut.command, self.clocks, self.mapping
+        beats, word = mapping.beats, command.read | command.write
         since_other = {name: _since(m, given, name, clocks.cas + beats + 1) for name, given in
                        (("read", command.read), ("write", command.write),
                         ("refresh", command.refresh), ("mode", command.mode))}
@@ -108,7 +108,7 @@ class Commands(Wrapper):
             busy = inner(fragment, "banks", f"busy{k}")
             held = inner(fragment, "banks", f"held{k}")
             here = command.bank == k
-            row, is_open = Signal(place.chip.row_bits, name=f"seen{k}"), Signal(name=f"open{k}")
+            row, is_open = Signal(mapping.chip.row_bits, name=f"seen{k}"), Signal(name=f"open{k}")
             active, closes = command.active & here, command.precharge & here | command.precharge_all
             with m.If(active):
                 m.d.sync += [row.eq(command.row), is_open.eq(1)]
@@ -135,15 +135,15 @@ class Commands(Wrapper):
                      ("cut", closes & is_open, since["read"], beats, held)]
             for name, now, age, least, wait in rules:
                 always(m, ~now | (age >= least), f"{name}{k}")
-                always(m, _covers(wait, age, least), f"{name}_kept{k}")
+                always(m, _covers(wait, age, least), f"{name}_met{k}")
             always(m, ~active | (since["active"] >= clocks.rc), f"rc{k}")
             always(m, is_open | (since["active"] >= clocks.rc) | (
-                since["active"] >= self.dut.banks.times["ras"] + since["precharge"]), f"rc_kept{k}")
+                since["active"] >= self.dut.banks.times["ras"] + since["precharge"]), f"rc_met{k}")
             always(m, _covers(held, since["active"], self.dut.banks.times["ras"]), f"long_ras{k}")
         another = inner(fragment, "banks", "another")
         for k, age in enumerate(actives):
             always(m, ~command.active | (command.bank == k) | (age >= clocks.rrd), f"rrd{k}")
-            always(m, _covers(another, age, clocks.rrd), f"rrd_kept{k}")
+            always(m, _covers(another, age, clocks.rrd), f"rrd_met{k}")
         for name, now, before, least, wait in (
                 ("turn", command.write, "read", clocks.cas + beats + 1, "write_waits"),
                 ("reads", command.read, "read", beats, "read_waits"),
@@ -152,7 +152,7 @@ class Commands(Wrapper):
             always(m, ~now | (since_other[before] >= least), name)
             if least > 1:
                 always(m, _covers(inner(fragment, "banks", wait), since_other[before], least),
-                       f"{name}_kept")
+                       f"{name}_met")
         self._prepared(m, fragment, opened)
 
     def _prepared(self, m, fragment, opened):
@@ -173,7 +173,7 @@ class Commands(Wrapper):
             ~to_close & is_open[second.bank] & (rows[second.bank] == second.row)), "prepared")
 
     def _states(self, m, fragment):
-        """Nobody reads or writes while the memory is refreshed or initialised."""
+        """No segment is read or written while the memory is refreshed or initialised."""
         dut = self.dut
         state = inner(fragment, "init_refresh", "fsm_state")
         pause, precharge, refresh, run, mode = range(5)     # as the design first names them
@@ -181,9 +181,9 @@ class Commands(Wrapper):
                       (state == pause) | (state == precharge) | (state == refresh)
                       | (state == mode)), "states")
         alone = (state == refresh) | (state == mode)
-        nobody = ~inner(fragment, "first_valid") & ~inner(fragment, "second_valid")
-        always(m, ~alone | nobody & (inner(fragment, "banks", "opened") == 0), "alone")
-        always(m, dut.ready | nobody, "nobody_before")
+        none = ~inner(fragment, "first_valid") & ~inner(fragment, "second_valid")
+        always(m, ~alone | none & (inner(fragment, "banks", "opened") == 0), "alone")
+        always(m, dut.ready | none, "none_before")
 
     def _refreshes(self, m, fragment):
         """A refresh within its time, counted from the one before it or the initialisation."""
@@ -213,7 +213,7 @@ class Commands(Wrapper):
 
 
 def _since(m, event, name, most):
-    """Clocks since the event, 1 in the clock behind it, and ``most`` if it is longer ago."""
+    """Clocks since the event, 1 in the clock after it, and ``most`` if it is longer ago."""
     since = Signal(range(most + 1), name=f"since_{name}", init=most)
     with m.If(event):
         m.d.sync += since.eq(1)

@@ -43,10 +43,10 @@ class TurnsCome(Wrapper):
         given(m, (stays & ~self.wants) == 0)
         always(m, (dut.grant & (dut.grant - 1)) == 0, "one_turn")
         always(m, (dut.grant & ~self.wants) == 0, "who_wants")
-        always(m, dut.grant.any() | ~self.wants.any(), "somebody")
+        always(m, dut.grant.any() | ~self.wants.any(), "one_if_any")
         always(m, (video_run <= run) & (write_run <= run), "runs")
         most, full = SdramArbiter.others(dut.reads), run * (run + 2)
-        video_left = run - video_run                # its turns before somebody else's
+        video_left = run - video_run                # its turns before another's
         turns = {"video": (count, Mux(video_run == run, 1, 0)),
                  "write": (count + 1, video_left + (Mux(write_run == run, 1 + run, 0)
                                                     if count else 0))}
@@ -86,24 +86,24 @@ class BurstsCut(Wrapper):
     """
 
     def __init__(self, kind=Segments):
-        self.place = AddressMapping(CHIP, 8, 4)
-        self.dut = kind(self.place)
-        super().__init__({"valid": In(1), "burst": In(self.place.burst), "ready": In(1)})
+        self.mapping = AddressMapping(CHIP, 8, 4)
+        self.dut = kind(self.mapping)
+        super().__init__({"valid": In(1), "burst": In(self.mapping.burst), "ready": In(1)})
 
     def elaborate(self, platform):
         m = Module()
-        dut, place = self.dut, self.place
+        dut, mapping = self.dut, self.mapping
         fragment = self.design(m, dut)
-        waits, valid, rest, behind = (inner(fragment, name)
-                                      for name in ("waits", "valid", "rest", "end_column"))
-        inside = data.View(place.burst, inner(fragment, "burst"))
-        given(m, (self.burst.words != 0) & (self.burst.words <= place.max_burst))
+        waits, valid, rest, end = (inner(fragment, name)
+                                   for name in ("waits", "valid", "rest", "end_column"))
+        inside = data.View(mapping.burst, inner(fragment, "burst"))
+        given(m, (self.burst.words != 0) & (self.burst.words <= mapping.max_burst))
         m.d.comb += [dut.i.valid.eq(self.valid), dut.i.payload.eq(self.burst),
                      dut.o.ready.eq(self.ready)]
-        # The bursts taken: the words of the oldest that are to come, and the one behind it.
+        # The bursts taken: the words of the oldest that are to come, and the one after it.
         count = Signal(2)
-        first = Signal(place.burst)
-        second = Signal(place.burst)
+        first = Signal(mapping.burst)
+        second = Signal(mapping.burst)
         taken, cut = dut.i.valid & dut.i.ready, dut.o.valid & dut.o.ready
         segment = dut.o.p
         number = Cat(segment.column, segment.bank, segment.row)
@@ -122,17 +122,17 @@ class BurstsCut(Wrapper):
         here = dut.o.valid
         always(m, ~here | (count != 0) & (number == first.word), "word_in_turn")
         always(m, ~here | (segment.words != 0) & (segment.words <= first.words), "words")
-        always(m, ~here | (segment.column + segment.words <= 1 << place.column_bits), "one_row")
+        always(m, ~here | (segment.column + segment.words <= 1 << mapping.column_bits), "one_row")
         always(m, ~here | (segment.last == (segment.words == first.words)), "last")
         always(m, (count == dut.bursts) & (count == waits + valid), "bursts")
         oldest = Mux(valid, second.as_value(), first.as_value())
         always(m, ~waits | (inside.as_value() == oldest), "waiting")
-        always(m, ~waits | (behind == inside.word[:place.column_bits] + inside.words), "behind")
-        always(m, ~waits | (inside.words != 0) & (inside.words <= place.max_burst), "some_words")
+        always(m, ~waits | (end == inside.word[:mapping.column_bits] + inside.words), "end_column")
+        always(m, ~waits | (inside.words != 0) & (inside.words <= mapping.max_burst), "some_words")
         always(m, ~valid | segment.last | (segment.words + rest == first.words) & (rest != 0)
-               & (rest < place.max_burst)
-               & (segment.column + segment.words == 1 << place.column_bits), "rest")
+               & (rest < mapping.max_burst)
+               & (segment.column + segment.words == 1 << mapping.column_bits), "rest")
         always(m, ~(dut.i.ready & waits), "free")
         reached(m, here & ~segment.last & waits & self.ready, "cut_while_another_waits")
-        reached(m, here & (segment.words == place.max_burst) & segment.last, "whole_row")
+        reached(m, here & (segment.words == mapping.max_burst) & segment.last, "whole_row")
         return m

@@ -53,12 +53,12 @@ class WordsRead(Wrapper):
 
     def _chip(self, m):
         """A chip that gives the number of a word in it as the word, CAS latency clocks later."""
-        pins, place = self.dut.pins, self.dut.mapping
-        rows = Array(Signal(place.chip.row_bits, name=f"chip_row{k}") for k in range(4))
+        pins, mapping = self.dut.pins, self.dut.mapping
+        rows = Array(Signal(mapping.chip.row_bits, name=f"chip_row{k}") for k in range(4))
         command = Cat(pins.we_n, pins.cas_n, pins.ras_n)
         with m.If(~pins.cs_n & (command == 0b011)):
             m.d.sync += rows[pins.ba].eq(pins.a)
-        word = Cat(pins.a[:place.column_bits], pins.ba, rows[pins.ba])
+        word = Cat(pins.a[:mapping.column_bits], pins.ba, rows[pins.ba])
         for k in range(self.dut.clocks.cas):
             later = Signal(8, name=f"dq{k}")
             m.d.sync += later.eq(word)
@@ -68,14 +68,14 @@ class WordsRead(Wrapper):
     def _reader(self, m, k, bus):
         """Any bursts of one reader, and what comes back."""
         address, words = getattr(self, f"address{k}"), getattr(self, f"words{k}")
-        place = self.dut.mapping
-        asked = [Signal(place.burst, name=f"asked{k}_{n}") for n in range(_ASKED + 1)]
+        mapping = self.dut.mapping
+        asked = [Signal(mapping.burst, name=f"asked{k}_{n}") for n in range(_ASKED + 1)]
         count = Signal(range(_ASKED + 2), name=f"count{k}")
         stays = Signal(name=f"stays{k}")
         command = Cat(address, words)
         before = Signal(len(command), name=f"before{k}")
         accepted, over = Signal(name=f"accepted{k}"), Signal(name=f"over{k}")
-        given(m, (words != 0) & (words <= place.max_burst))
+        given(m, (words != 0) & (words <= mapping.max_burst))
         given(m, ~stays | self.read[k] & (command == before))
         given(m, ~self.read[k] | (count < _ASKED))
         oldest = asked[0]
@@ -86,7 +86,7 @@ class WordsRead(Wrapper):
                      count.eq(count + accepted - over)]
         burst = Cat(address, words)
         with m.If(over):
-            m.d.sync += [here.eq(behind) for here, behind in zip(asked, asked[1:])]
+            m.d.sync += [here.eq(after) for here, after in zip(asked, asked[1:])]
         with m.Elif(bus.readdatavalid):
             m.d.sync += [oldest.word.eq(oldest.word + 1), oldest.words.eq(oldest.words - 1)]
         with m.If(accepted):

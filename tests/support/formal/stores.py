@@ -51,13 +51,14 @@ class Store(Wrapper):
         with m.If(self.claim[0]):
             m.d.sync += followed.eq(self.follow)
         first = inner(fragment, "first")
-        always(m, ~dut.busy | ~dut.some | (dut.buffer != dut.newest), "newest_is_kept")
+        always(m, ~dut.busy | ~dut.some | (dut.buffer != dut.newest), "newest_is_held")
         always(m, ~dut.some | whole[dut.newest], "newest_is_whole")
-        always(m, dut.busy | inner(fragment, "free").any(), "room")
+        always(m, dut.busy | inner(fragment, "free").any(), "space")
         always(m, dut.buffer < dut.buffers, "buffer")
         for k, one in enumerate(dut.readers):
             follows = followed if k == 0 else 0
-            always(m, ~(self.begin & ~dut.busy) | ~one.held | (first != one.buffer), f"kept{k}")
+            always(m, ~(self.begin & ~dut.busy) | ~one.held | (first != one.buffer),
+                   f"unchanged{k}")
             always(m, ~dut.busy | ~one.held | (dut.buffer != one.buffer) | follows, f"alone{k}")
             always(m, ~one.held | whole[one.buffer] | follows, f"whole{k}")
             always(m, ~(one.held & one.lost), f"lost{k}")

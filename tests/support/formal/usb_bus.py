@@ -9,7 +9,7 @@ from ncdc_hdl.usb.fifo_bus import FifoBus
 
 __all__ = ["UsbBus"]
 
-_LATE = 2           # words that come after there was room
+_LATE = 2           # words that come after there was space
 
 
 class UsbBus(Wrapper):
@@ -22,7 +22,7 @@ class UsbBus(Wrapper):
     def __init__(self, bus=FifoBus):
         self.dut = bus(1, turn=2)
         super().__init__({"rxf_n": In(1), "txe_n": In(1), "data": In(8), "valid": In(1),
-                          "room": In(1)})
+                          "space": In(1)})
 
     def elaborate(self, platform):
         m = Module()
@@ -32,7 +32,7 @@ class UsbBus(Wrapper):
         offered, got = Signal(8), Signal(8)         # words that left the queue; that were taken
         m.d.comb += [
             pins.rxf_n.eq(self.rxf_n), pins.txe_n.eq(self.txe_n), pins.data_i.eq(self.data),
-            pins.be_i.eq(1), dut.space.eq(self.room), dut.to_host.valid.eq(self.valid),
+            pins.be_i.eq(1), dut.space.eq(self.space), dut.to_host.valid.eq(self.valid),
             dut.to_host.p.data.eq(offered), dut.to_host.p.enable.eq(1)]
         waits = self._before(m, self.valid & ~dut.to_host.ready, "waits")
         given(m, ~waits | self.valid)
@@ -54,22 +54,22 @@ class UsbBus(Wrapper):
         always(m, ~turn | oe & ~(rd | wr | pins.data_oe), "at_turn")
         always(m, ~reads | oe & ~(wr | pins.data_oe), "at_reads")
         always(m, ~writes | pins.data_oe & ~(oe | rd), "at_writes")
-        late = Signal(range(_LATE + 2))             # words pushed since there was no room
-        m.d.sync += late.eq(Mux(self.room, 0, late + dut.push))
-        always(m, self.room | (late + dut.push <= _LATE), "room")
-        once = self._before(m, self.room, "room")
-        twice = self._before(m, once, "room2")
+        late = Signal(range(_LATE + 2))             # words pushed since there was no space
+        m.d.sync += late.eq(Mux(self.space, 0, late + dut.push))
+        always(m, self.space | (late + dut.push <= _LATE), "space")
+        once = self._before(m, self.space, "space")
+        twice = self._before(m, once, "space2")
         always(m, pins.rd_n | once, "stops")
         always(m, ~dut.push | twice, "stopped")
         always(m, late <= Mux(once, 0, Mux(twice, 1, _LATE)), "late")
         reached(m, (got == 3) & there & self._before(m, pins.txe_n & ~pins.wr_n, "paused"),
                 "paused")
-        reached(m, read & (got == 2), "read_behind_writes")
-        reached(m, taken & self._before(m, self._before(m, dut.push, "p0"), "p1"), "write_behind")
+        reached(m, read & (got == 2), "read_after_writes")
+        reached(m, taken & self._before(m, self._before(m, dut.push, "p0"), "p1"), "write_after")
         return m
 
     def _rules(self, m, pins):
-        """Of the bus."""
+        """Assert the rules of the bus."""
         oe, driven = ~pins.oe_n, pins.data_oe
         before = {name: self._before(m, value, name) for name, value in (
             ("oe", oe), ("driven", driven), ("rd", ~pins.rd_n), ("wr", ~pins.wr_n),

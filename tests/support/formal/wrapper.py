@@ -21,14 +21,14 @@ class Wrapper(wiring.Component):
         The queues of the design, in the order in which it has them.
     initial : dict
         Values with which registers (paths as of :func:`inner`) begin, if not with their own.
-    places_missing : int
-        Planted error: each queue has fewer places by so many.
+    entries_missing : int
+        Planted error: each queue has fewer entries by so many.
     forgotten : sequence of tuple of str
         Planted error: registers that a reset clears.
     """
 
     initial = {}
-    places_missing = 0
+    entries_missing = 0
     forgotten = ()
 
     def design(self, m, component):
@@ -37,7 +37,7 @@ class Wrapper(wiring.Component):
         Each queue in it asserts that nothing is written into it while it is full.
         """
         self.queues = []
-        with opened(self.queues, self.places_missing):
+        with opened(self.queues, self.entries_missing):
             fragment = Fragment.get(component, None)
         for path, value in self.initial.items():
             inner(fragment, *path)._init = value

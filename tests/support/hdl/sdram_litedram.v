@@ -1,5 +1,5 @@
 // LiteDRAM's controller and PHY in front of our model of the chip: rounds of random writes, each
-// followed by reads of the same places, and a pause now and then.
+// followed by reads of the same addresses, and a pause now and then.
 //
 // The pads of LiteDRAM are three-state; whether it drives is asked of its PHY. The chip has its
 // clock half a period late, as boards with this PHY do.
@@ -46,13 +46,12 @@ module sdram_bench(input wire clk);
         .refresh_most(refresh_most), .beats_read(beats_read), .beats_written(beats_written)
     );
 
-    reg [15:0] plain [0:(1 << (STORED + 11)) - 1];
-    reg [13:0] places [0:COUNT-1];
+    reg [15:0] plain [0:(1 << (KEPT + 11)) - 1];
+    reg [13:0] addresses [0:COUNT-1];
     reg [31:0] random = 32'd12345;
     reg [31:0] asked = 0, sent = 0, got = 0, wrong = 0, checked = 0, round = 0, idle = 0;
     reg [31:0] k;
     reg        writing = 1;
-    reg [13:0] place;
 
     function [31:0] next(input [31:0] value);
         begin
@@ -62,12 +61,12 @@ module sdram_bench(input wire clk);
         end
     endfunction
 
-    // Some places in few rows, so that rows are hit, and closed, often.
+    // Some addresses in few rows, so that rows are hit, and closed, often.
     task draw;
         for (k = 0; k < COUNT; k = k + 1) begin
             random = next(random);
-            places[k] = random[31:18];
-            if (k != 0 && random[1:0] != 0) places[k] = places[k - 1] + 1;
+            addresses[k] = random[31:18];
+            if (k != 0 && random[1:0] != 0) addresses[k] = addresses[k - 1] + 1;
         end
     endtask
 
@@ -80,16 +79,16 @@ module sdram_bench(input wire clk);
             if (cmd_valid && cmd_ready) asked = asked + 1;
             cmd_valid <= asked < COUNT;
             cmd_we <= writing;
-            addr <= {{10{1'b0}}, places[asked % COUNT]};
+            addr <= {{10{1'b0}}, addresses[asked % COUNT]};
             if (wdata_valid && wdata_ready) begin
-                plain[places[sent]] = wdata;
+                plain[addresses[sent]] = wdata;
                 sent = sent + 1;
             end
             wdata_valid <= writing && sent < COUNT;
-            wdata <= {places[sent % COUNT], 2'b00} ^ {round[7:0], sent[7:0]};
+            wdata <= {addresses[sent % COUNT], 2'b00} ^ {round[7:0], sent[7:0]};
             if (rdata_valid) begin
                 checked = checked + 1;
-                if (rdata !== plain[places[got]]) wrong = wrong + 1;
+                if (rdata !== plain[addresses[got]]) wrong = wrong + 1;
                 got = got + 1;
             end
             if (writing && sent == COUNT && asked == COUNT) begin

@@ -1,5 +1,5 @@
-# Quartus's programs at the cable, with a board's registers behind them: System Console's commands for
-# a host, and those of ::quartus::jtag for a device's scan chain. Runs what comes at standard input,
+# Quartus's programs at the cable, with a board's registers: System Console's commands for
+# a host, and those of ::quartus::jtag for a device's JTAG. Runs what comes at standard input,
 # and repeats it.
 array set words {}
 proc word {address} {
@@ -17,7 +17,7 @@ proc master_write_32 {service address value} {
     set words([expr {$address - 0x10000000}]) [expr {$value}]
 }
 
-# The chain: an answer comes with the second scan behind its request, as its clock stops between.
+# The chain: an answer comes with the second scan after its request, as its clock stops between.
 set state closed
 set waiting {}
 proc get_hardware_names {} { return [list {USB-BlasterII [1-2]}] }
