@@ -56,6 +56,20 @@ def test_sampled_verilog(row):
     assert complaint(row) is None
 
 
+@pytest.mark.parametrize("options,figures", [([], {"lut", "alm"}), (["--no-route"], {"alm"}),
+                                             (["--no-synth"], set())])
+def test_figures_of_synthesis_can_be_left_out(options, figures, monkeypatch, capsys):
+    measured = "ncdc_bench.tansig.measure"
+    monkeypatch.setattr("ncdc_bench.tansig.command.check_tools", lambda otherwise: None)
+    monkeypatch.setattr(f"{measured}.verilog_outputs", lambda component, n, **_: tansig(n, DESIGN))
+    monkeypatch.setattr(f"{measured}.cyclone_v", lambda *_, **__: {"alm": 1})
+    monkeypatch.setattr(f"{measured}.synthesise", lambda *_, **__: {"lut": 2, "alm": 1})
+    assert main(["bench", "tansig", "--variant", "mmhbc", "--bits", "20", "--sampled", "--json",
+                 "-", *options]) == 0
+    row, = json.loads(capsys.readouterr().out)["rows"]
+    assert {"lut", "alm"} & set(row) == figures
+
+
 @pytest.mark.longer
 def test_comparison_sees_a_stage_out_of_step():
     n = sampled_inputs(DESIGN.input, 1 << 12)

@@ -19,6 +19,7 @@ def _blocks(page):
 
     Headings and blocks of code are left out.
     """
+    page = re.sub(r"<!--.*?-->", "", page)
     page = re.sub(r"^```.*?^```$", "", page, flags=re.MULTILINE | re.DOTALL)
     part, blank = [], True
     for line in [*page.splitlines(), ""]:

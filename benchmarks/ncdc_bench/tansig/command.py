@@ -30,6 +30,8 @@ def add_arguments(parser):
                         help="65 thousand inputs instead of all: quick")
     parser.add_argument("--synth", action=BooleanOptionalAction, default=True,
                         help="size and clock by open synthesis (default: yes)")
+    parser.add_argument("--route", action=BooleanOptionalAction, default=True,
+                        help="with the clock on ECP5, which takes most of the time (default: yes)")
     parser.add_argument("--plots", metavar="DIR",
                         help="also remake Fig. 10, 11, 13 and 14 of the paper as PNG files")
     add_json(parser)
@@ -46,8 +48,8 @@ def run(args):
         for bits in args.bits:
             design = design_for(variant, bits)
             rows.append(tansig_row(design, sampled=args.sampled, synthesis=args.synth,
-                                   progress=Steps(
-                                       f"{variant}, {bits} bits", quiet=True)))
+                                   routed=args.route,
+                                   progress=Steps(f"{variant}, {bits} bits", quiet=True)))
     if args.plots:
         plot_tansig(Path(args.plots), rows)
     if not write_report({"rows": rows}, args.json):

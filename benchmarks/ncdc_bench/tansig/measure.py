@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from ncdc.toolchain.flows import Registered, synthesise
+from ncdc.toolchain.flows import Registered, cyclone_v, synthesise
 from ncdc_hdl.export.verilog import module_verilog
 from ncdc_hdl.neural.tansig import Tansig
 from ncdc_model.golden.tansig_accuracy import measure
@@ -42,7 +42,8 @@ def verilog_outputs(component, n, *, progress=None):
     return result
 
 
-def tansig_row(design, *, sampled=False, synthesis=True, progress=lambda step: None):
+def tansig_row(design, *, sampled=False, synthesis=True, routed=True,
+               progress=lambda step: None):
     """Figures of one design, measured on its generated Verilog.
 
     Parameters
@@ -52,6 +53,8 @@ def tansig_row(design, *, sampled=False, synthesis=True, progress=lambda step: N
         Run :func:`sampled_inputs` instead of every input.
     synthesis : bool
         Add those of :func:`ncdc.toolchain.flows.synthesise`; the input is registered.
+    routed : bool
+        Of these, the ones on ECP5 too; without, no placement runs.
     progress : callable
         Called with the name of each step.
 
@@ -89,6 +92,6 @@ def tansig_row(design, *, sampled=False, synthesis=True, progress=lambda step: N
         "table_bits": design.table_bits, "multipliers": design.multipliers}
     if synthesis:
         verilog = module_verilog(Registered(Tansig(design)), "tansig")
-        row |= synthesise(verilog, "tansig", progress=progress)
+        row |= (synthesise if routed else cyclone_v)(verilog, "tansig", progress=progress)
     progress("done")
     return row
