@@ -42,7 +42,7 @@ _NUMBER = r"[-+]?\d[\d,]*(?:\.\d+)?"
 _INLINE = re.compile(rf"(?<![\w.,])({_NUMBER})<!--=([\w.]+)-->")
 _MARK = re.compile(r"<!--=(.*?)-->")
 _ROWS = re.compile(r"<!--rows=([\w.]+) (.*)-->")
-_COPY_DIGITS = 4        # of a number that is unlikely to occur twice by chance
+_COPY_DIGITS = 4        # of a number that is unlikely to occur twice
 
 
 @dataclass(frozen=True)
@@ -264,10 +264,10 @@ def quoted_leaves(quoted, figures):
 
 def prune(figures, names, above=()):
     """The part of ``figures`` that ``names``, some of :func:`leaves`, are of."""
-    kept = {part: prune(value, names, (*above, part)) if isinstance(value, dict) else value
+    stored = {part: prune(value, names, (*above, part)) if isinstance(value, dict) else value
             for part, value in figures.items()
             if isinstance(value, dict) or (*above, part) in names}
-    return {part: value for part, value in kept.items() if value != {}}
+    return {part: value for part, value in stored.items() if value != {}}
 
 
 def copies(text, found, shown):
@@ -280,7 +280,7 @@ def copies(text, found, shown):
     found : list of Quote
         Its quotes.
     shown : set of str
-        Quoted numbers of all pages; short ones are left out, as they may be equal by chance.
+        Quoted numbers of all pages; short ones are left out, as unrelated ones may be equal.
     """
     rows = {line for quote in found if quote.fields for line in quote.shown}
     long_ones = {number for number in shown
@@ -318,11 +318,11 @@ def _take(root, results, groups, figures):
     for name, (report, path) in joined.items():
         day = datetime.fromtimestamp(path.stat().st_mtime, UTC).date()
         group = {"command": GROUPS[name].command, "date": str(day), "version": version("ncdc")}
-        if kept := groups.get(name, {}).get("report"):
-            if path.resolve() != (root / "docs" / kept).resolve():
-                raise InputError(f"{path}: the figures of {name} are in docs/{kept}, "
+        if stored := groups.get(name, {}).get("report"):
+            if path.resolve() != (root / "docs" / stored).resolve():
+                raise InputError(f"{path}: the figures of {name} are in docs/{stored}, "
                                  "write the report there")
-            group["report"] = kept
+            group["report"] = stored
         groups[name], figures[name] = group, _chosen(name, report)
 
 
@@ -357,10 +357,10 @@ def store(root, results):
                 texts[page] = right
         except InputError as error:
             raise InputError(f"{page.relative_to(root)}:{error}") from None
-    kept = prune(figures, quoted_leaves(quoted, figures))
+    stored = prune(figures, quoted_leaves(quoted, figures))
     for name, group in groups.items():
         if "report" not in group:
-            group["figures"] = kept.get(name, {})
+            group["figures"] = stored.get(name, {})
     for page, text in texts.items():
         write_text(page, text)
     groups = {name: group for name, group in sorted(groups.items())
