@@ -47,6 +47,7 @@ def folder(tmp_path_factory):
          "--json", folder / "camera-report.json")
     call(train, folder / "a.json", "--neurons", 7, "-o", folder / "net.toml", "--bayer", "GBRG",
          "--fill", "9,8,7", "--json", folder / "report.json")
+    return folder
 
 
 def report_of(command, *arguments, capsys):

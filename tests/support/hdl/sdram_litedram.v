@@ -46,7 +46,7 @@ module sdram_bench(input wire clk);
         .refresh_most(refresh_most), .beats_read(beats_read), .beats_written(beats_written)
     );
 
-    reg [15:0] plain [0:(1 << (KEPT + 11)) - 1];
+    reg [15:0] plain [0:(1 << (STORED + 11)) - 1];
     reg [13:0] addresses [0:COUNT-1];
     reg [31:0] random = 32'd12345;
     reg [31:0] asked = 0, sent = 0, got = 0, wrong = 0, checked = 0, round = 0, idle = 0;
