@@ -88,4 +88,5 @@ def test_the_demos_output_in_the_tutorial_is_the_commands(tmp_path, monkeypatch,
     verilog = Path("demo/ncdc.v").read_text()
     modules = len(re.findall("^module ", verilog, re.MULTILINE))
     size = f"{len(verilog.splitlines()):,} lines in {modules} modules"
-    assert size in (ROOT / "docs/reference/verilog.md").read_text()
+    page = (ROOT / "docs/reference/verilog.md").read_text()
+    assert size in re.sub("<!--.*?-->", "", page)       # the names of figures
