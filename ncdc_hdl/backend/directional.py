@@ -6,6 +6,7 @@ from amaranth import *
 from amaranth.lib import data, wiring
 from amaranth.lib.wiring import In, Out
 
+from ncdc_hdl.backend.window_decoder import PAIRS, WindowDecoder
 from ncdc_hdl.lib import pipeline
 from ncdc_hdl.lib.pipeline import delay
 from ncdc_spec.interpolation import DIRECTIONAL
@@ -19,6 +20,8 @@ _POINTS = data.ArrayLayout(signed(15), 12)
 # Middle second differences of rows 2 and 3, and of columns 2 and 3, of coarse samples: two of each.
 BEND = data.StructLayout({"x": signed(9), "y": signed(9)})
 _STEP = data.StructLayout({"whole": 1, "half": 1, "minus": 1})
+_KNIGHTS = {"Kv0": ((-2, -1), (-2, 1)), "Kv1": ((2, -1), (2, 1)),
+            "Kh0": ((-1, -2), (-1, 2)), "Kh1": ((1, -2), (1, 2))}
 
 
 class Direction(wiring.Component):
@@ -141,7 +144,7 @@ class Crest(wiring.Component):
         return m
 
 
-class DirectionalPoints(wiring.Component):
+class DirectionalPoints(WindowDecoder):
     """The colours of four neighbouring samples by the kernels of
     ``ncdc_model.golden.directional``, whose docstring has the equations.
 
@@ -177,64 +180,26 @@ class DirectionalPoints(wiring.Component):
     bend_latency = Direction.bend_latency
 
     def __init__(self):
-        super().__init__({
-            "samples": In(_SAMPLES), "red_column": In(1), "red_row": In(1), "mono": In(1),
-            "o": Out(_POINTS), "reversed": Out(2), "swapped": Out(1), "bend": Out(BEND),
-        })
+        self._direction = Direction()
+        super().__init__(DIRECTIONAL, _POINTS, PAIRS | _KNIGHTS, {"bend": Out(BEND)})
 
     def elaborate(self, platform):
-        m = Module()
-        register = partial(pipeline.register, m)
-        m.submodules.direction = direction = Direction()
-        m.d.comb += [direction.samples.eq(self.samples), self.bend.eq(direction.bend)]
-        # Cycle 1: whether the first sample is red or blue, which chooses some hundreds of bits.
-        chroma_first = register("chroma_first", ~(self.red_row ^ self.red_column))
-        samples = {position: register(f"s{n}", sample)
-                   for n, (position, sample) in enumerate(zip(DIRECTIONAL.samples, self.samples))}
-        m.d.comb += [
-            self.reversed.eq(delay(m, Cat(chroma_first, ~chroma_first), self.latency - 1,
-                                   "reversed")),
-            self.swapped.eq(delay(m, ~self.red_row, self.latency, "swapped")),
-        ]
-        for row in range(2):
-            # Of the lower row, green is first where chroma is in the upper one.
-            chroma_left = chroma_first ^ row
-            green = self._around(m, f"g{row}", samples, 2 + row, chroma_left, knights=True)
-            chroma = self._around(m, f"c{row}", samples, 2 + row, ~chroma_left)
-            upper, lower = (2, 0) if row else (0, 2)    # colours of this row, of the other one
-            at_green = self._at_green(m, f"g{row}", green, direction.o)
-            at_chroma = self._at_chroma(m, f"c{row}", chroma, direction.o)
-            for first, (same_row, green_here, other) in ((0, at_green), (3, at_chroma)):
-                m.d.comb += [self.o[6 * row + first + upper].eq(same_row),
-                             self.o[6 * row + first + 1].eq(green_here),
-                             self.o[6 * row + first + lower].eq(other)]
+        m = super().elaborate(platform)
+        m.submodules.direction = self._direction
+        m.d.comb += [self._direction.samples.eq(self.samples),
+                     self.bend.eq(self._direction.bend)]
         return m
 
-    def _around(self, m, name, samples, row, right, knights=False):
-        """Sums around the sample in ``row`` and column 2, or 3 if ``right``.
+    @staticmethod
+    def _fours(m, name, sums, keys):
+        """Sums of two pairs each, one clock after those."""
+        return sums | {key: pipeline.register(m, f"{name}_{key}", sums[f"{key}0"] + sums[f"{key}1"])
+                       for key in keys}
 
-        A dict of the sample ``c``, and the sums ``H``, ``V``, ``P``, ``Q``, ``D`` of the equations;
-        ``Kv`` and ``Kh`` with ``knights``. Of these ``D``, ``Kv`` and ``Kh`` are of cycle 4, the
-        others of cycle 3.
-        """
-        register = partial(pipeline.register, m)
-        pairs = {"H": ((0, -1), (0, 1)), "V": ((-1, 0), (1, 0)), "Q": ((0, -2), (0, 2)),
-                 "P": ((-2, 0), (2, 0)), "D0": ((-1, -1), (-1, 1)), "D1": ((1, -1), (1, 1))}
-        if knights:
-            pairs |= {"Kv0": ((-2, -1), (-2, 1)), "Kv1": ((2, -1), (2, 1)),
-                      "Kh0": ((-1, -2), (-1, 2)), "Kh1": ((1, -2), (1, 2))}
-        # Cycle 2: choose the column.
-        at = {(j, i): register(f"{name}_s{j + 2}{i + 2}",
-                               Mux(right, samples[row + j, 3 + i], samples[row + j, 2 + i]))
-              for j, i in {(0, 0), *(step for pair in pairs.values() for step in pair)}}
-        # Cycle 3: add the samples of each pair. Cycle 4: add pairs.
-        sums = {key: register(f"{name}_{key}", at[a] + at[b]) for key, (a, b) in pairs.items()}
-        fours = {key: register(f"{name}_{key}", sums[f"{key}0"] + sums[f"{key}1"])
-                 for key in ("D", *(("Kv", "Kh") if knights else ()))}
-        return sums | fours | {"c": register(f"{name}_c", at[0, 0])}
-
-    def _at_green(self, m, name, sums, direction):
+    def _at_green(self, m, name, sums):
         """Chroma of the same row, green, chroma of the other row."""
+        direction = self._direction.o
+        sums = self._fours(m, name, sums, ("D", "Kv", "Kh"))
         own = self._own(m, name, sums["c"])
         same = self._at_green_along(m, f"{name}_h", sums, "H", "Q", "Kv", direction,
                                     direction.minus)
@@ -260,8 +225,10 @@ class DirectionalPoints(wiring.Component):
         mean, step = register(f"{name}_mean", a + b), register(f"{name}_step", a - b)
         return self._stepped(m, name, mean, step, direction, minus)
 
-    def _at_chroma(self, m, name, sums, direction):
+    def _at_chroma(self, m, name, sums):
         """The own chroma, green, the other chroma."""
+        direction = self._direction.o
+        sums = self._fours(m, name, sums, ("D",))
         register = partial(pipeline.register, m)
         c, h, v, p, q = (sums[key] for key in "cHVPQ")
         # Cycle 4.

@@ -1,9 +1,9 @@
 """Gradient-corrected Bayer decoder: four full colours from a 6x6 raw window, with adders only."""
 
 from amaranth import *
-from amaranth.lib import data, wiring
-from amaranth.lib.wiring import In, Out
+from amaranth.lib import data
 
+from ncdc_hdl.backend.window_decoder import WindowDecoder
 from ncdc_hdl.lib.pipeline import delay, register
 from ncdc_spec.interpolation import GRADIENT
 
@@ -14,7 +14,7 @@ __all__ = ["GradientPoints"]
 _POINTS = data.ArrayLayout(signed(14), 12)
 
 
-class GradientPoints(wiring.Component):
+class GradientPoints(WindowDecoder):
     """Colours of four neighbouring samples by the kernels of Malvar, He and Cutler (2004).
 
     Each row of two points has a green sample and a chroma sample, red or blue. With the sample c,
@@ -56,53 +56,7 @@ class GradientPoints(wiring.Component):
     latency = 6
 
     def __init__(self):
-        super().__init__({
-            "samples": In(data.ArrayLayout(8, len(GRADIENT.samples))),
-            "red_column": In(1), "red_row": In(1), "mono": In(1),
-            "o": Out(_POINTS), "reversed": Out(2), "swapped": Out(1),
-        })
-
-    def elaborate(self, platform):
-        m = Module()
-        # Cycle 1: whether the first point is red or blue, which selects hundreds of bits.
-        chroma_first = register(m, "chroma_first", ~(self.red_row ^ self.red_column))
-        samples = {position: register(m, f"s{n}", sample)
-                   for n, (position, sample) in enumerate(zip(GRADIENT.samples, self.samples))}
-        m.d.comb += [
-            self.reversed.eq(delay(m, Cat(chroma_first, ~chroma_first), self.latency - 1,
-                                   "reversed")),
-            self.swapped.eq(delay(m, ~self.red_row, self.latency, "swapped")),
-        ]
-        for row in range(2):
-            # In the lower row, green is first where chroma is first in the upper one.
-            chroma_left = chroma_first ^ row
-            at = 2 + row
-            green = self._around(m, f"g{row}", samples, at, chroma_left)
-            chroma = self._around(m, f"c{row}", samples, at, ~chroma_left)
-            same_row, own, other_row = self._at_green(m, f"g{row}", green)
-            m.d.comb += [self.o[6 * row + (2 if row else 0)].eq(same_row),
-                         self.o[6 * row + 1].eq(own),
-                         self.o[6 * row + (0 if row else 2)].eq(other_row)]
-            own, green_here, other = self._at_chroma(m, f"c{row}", chroma)
-            m.d.comb += [self.o[6 * row + 3 + (2 if row else 0)].eq(own),
-                         self.o[6 * row + 4].eq(green_here),
-                         self.o[6 * row + 3 + (0 if row else 2)].eq(other)]
-        return m
-
-    def _around(self, m, name, samples, row, right):
-        """Sums around the sample in ``row`` and column 2, or 3 if ``right``; 2 clocks later.
-
-        A dict of the sample ``c``, ``H``, ``V``, ``P``, ``Q`` and, above and below, ``D0``, ``D1``.
-        """
-        # Cycle 2: choose the column.
-        at = {(j, i): register(m, f"{name}_s{j + 2}{i + 2}",
-                               Mux(right, samples[row + j, 3 + i], samples[row + j, 2 + i]))
-              for j in range(-2, 3) for i in range(-2, 3) if abs(i) + abs(j) <= 2}
-        # Cycle 3: add the samples of each pair.
-        pairs = {"H": ((0, -1), (0, 1)), "V": ((-1, 0), (1, 0)), "Q": ((0, -2), (0, 2)),
-                 "P": ((-2, 0), (2, 0)), "D0": ((-1, -1), (-1, 1)), "D1": ((1, -1), (1, 1))}
-        sums = {key: register(m, f"{name}_{key}", at[a] + at[b]) for key, (a, b) in pairs.items()}
-        return {"c": register(m, f"{name}_c", at[0, 0]), **sums}
+        super().__init__(GRADIENT, _POINTS)
 
     def _at_green(self, m, name, sums):
         """Chroma of the same row, green, chroma of the other row; 3 clocks later."""

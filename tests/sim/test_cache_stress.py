@@ -1,6 +1,6 @@
 """The tile cache on random windows, where tiles replace each other all the time.
 
-The bench counts wrong windows, and stops at a read of a wrong tile, a breach of protocol or a
+The bench counts wrong windows, and stops at a read of a wrong tile, a violation of protocol or a
 hang. Each guard against a hazard is taken out once, which must be seen.
 """
 
