@@ -99,7 +99,7 @@ DIRECTIONAL = Interpolation("directional", core=2, margin=2, offset=0.0, unit_bi
                             tile_height=2, tile_rows=4, reach=3)
 INTERPOLATIONS = {each.name: each for each in (FAST, GRADIENT, DIRECTIONAL)}
 # Default of training. A descriptor without a name is older than the choice: it has FAST.
-DEFAULT = GRADIENT
+DEFAULT = DIRECTIONAL
 
 
 CRESTS = {"off": 0, "mild": 1, "strong": 2}

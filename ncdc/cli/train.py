@@ -98,10 +98,10 @@ def add_arguments(parser) -> None:
 def _add_hardware(parser):
     """Declare what the descriptor fixes of the hardware."""
     parser.add_argument("--interpolation", choices=list(INTERPOLATIONS), default=DEFAULT.name,
-                        help="gradient: gradient-corrected colour from 6x6 raw samples, for the "
-                             "tile cache (default); directional: along edges, from the same "
-                             "window, better and larger; fast: the paper's from 3x3, five decibels "
-                             "worse, for every fetcher and the smallest core")
+                        help="directional: colour along edges, from 6x6 raw samples, for the "
+                             "tile cache (default); gradient: from the same window without a "
+                             "direction, smaller, some two decibels worse; fast: the paper's from "
+                             "3x3, seven worse, for every fetcher and the smallest core")
     parser.add_argument("--tansig", choices=[*VARIANTS, "auto"], default="mmhbc",
                         help="tan-sigmoid: mmhbc: the paper's, no multiplier (default); classic: "
                              "plain CORDIC, for comparison; table: quadratics, two multipliers "

@@ -96,11 +96,11 @@ def test_the_busiest_crop_is_where_the_detail_is():
 def test_the_crops_are_drawn(tmp_path):
     """The picture of another flow's crop, and of what was there before, is another picture."""
     plain = np.full((120, 160, 3), 90, np.uint8)
-    shown = {"reference": plain, "fast": plain, "gradient": plain}
+    shown = {"reference": plain, "fast": plain, "directional": plain}
     other = subject().colour
     drawn = []
     for k, (before, changed) in enumerate(((plain, {}), (other, {}), (plain, {"fast": other}),
-                                           (plain, {"gradient": other}))):
+                                           (plain, {"directional": other}))):
         plot_crops(tmp_path / f"{k}.jpg", before, shown | changed,
                    [{"flow": "fast", "psnr_db": 30.0}])
         drawn.append(read_image(tmp_path / f"{k}.jpg").astype(int))

@@ -49,9 +49,10 @@ def test_the_figures_hold(folder):
         assert abs(fixed[key] - real[key]) <= 2**.5 * apart
     assert report["grey_levels_from_float_max"] <= 1
     assert report["straightness_rms_px"] < report["straightness_before_rms_px"] / 5
-    assert report["interpolation"] == d.geometry.interpolation.name == "gradient"
+    assert report["interpolation"] == d.geometry.interpolation.name == "directional"
     assert report["psnr_gradient_db"] > report["psnr_fast_db"] + 4
     assert report["psnr_gradient_db"] > report["psnr_demosaic_db"] + 2.5
+    assert report["psnr_directional_db"] > report["psnr_gradient_db"] + 2.5
     assert report["psnr_demosaic_db"] - report["psnr_fast_db"] <= 1.5
     assert report["psnr_fast_db"] - report["psnr_uncompensated_db"] > 2
     # The rough network may be off by its error at the edge, and no more.

@@ -17,7 +17,7 @@ pytestmark = pytest.mark.longer
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
-    path = tmp_path_factory.mktemp("gradient")
+    path = tmp_path_factory.mktemp("directional")
     Camera.from_dict({"width": 64, "height": 48, "radial": "kb", "f_distorted": 40.0,
                       "centre": [31.5, 23.5]}).save(
         path / "camera.toml")
@@ -30,7 +30,7 @@ def folder(tmp_path_factory):
 def test_the_default_is_in_the_descriptor_and_correct_follows_it(folder):
     descriptor = Descriptor.load(folder / "net.toml")
     assert descriptor.geometry.interpolation == GRADIENT
-    assert 'interpolation = "gradient"' in (folder / "net.toml").read_text()
+    assert 'interpolation = "directional"' in (folder / "net.toml").read_text()
     raw = np.random.default_rng(1).integers(0, 256, (48, 64), np.uint8)
     write_image(folder / "raw.png", raw)
     assert main(["correct", str(folder / "net.toml"), str(folder / "raw.png"), "-o",
@@ -54,7 +54,7 @@ def test_multiport_rejects_it_in_one_sentence(folder, command, image, out, capsy
     assert main([command, str(folder / "net.toml"), *(str(folder / name) for name in image), "-o",
                  str(folder / out), "--fetch", "multiport"]) == 2
     assert capsys.readouterr().err == (
-        f"ncdc {command}: the descriptor's interpolation is gradient, the multiport fetcher can "
+        f"ncdc {command}: the descriptor's interpolation is directional, the multiport fetcher can "
         f"have fast only, which ncdc train --interpolation fast gives\n")
     assert not (folder / out).exists()
 

@@ -23,7 +23,7 @@ HELP = ("correct pictures by the map of the built-in example with each interpola
         "OpenCV's demosaicing and remapping")
 EXAMPLE = "ncdc bench pictures photo.jpg -o plots --json pictures.json"
 
-_SHOWN = ("reference", "fast", "gradient", "opencv bilinear, bilinear",
+_SHOWN = ("reference", "fast", "gradient", "directional", "opencv bilinear, bilinear",
           "opencv edge-aware, bilinear", "opencv vng, bilinear")
 
 
