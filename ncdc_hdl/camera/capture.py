@@ -9,9 +9,18 @@ from amaranth.lib.wiring import In, Out, connect, flipped
 from ncdc_hdl.avalon.burst_writer import BurstWriter, word_layout
 from ncdc_hdl.avalon.bus import WriteHost
 from ncdc_hdl.camera.frame_writer import AREA, COUNTS, FrameWriter
-from ncdc_hdl.camera.layouts import ENTRY, GRID, PINS, SETTINGS, SIZE_BITS
+from ncdc_hdl.camera.layouts import (
+    BALANCE,
+    ENTRY,
+    GRID,
+    NO_BALANCE,
+    PINS,
+    SETTINGS,
+    SIZE_BITS,
+)
 from ncdc_hdl.camera.sensor_port import SensorPort
 from ncdc_hdl.lib.relay import Relay
+from ncdc_hdl.lib.word_crossing import WordCrossing
 
 __all__ = ["Capture"]
 
@@ -47,6 +56,8 @@ class Capture(wiring.Component):
         Constant while ``active``.
     grid : ``In(GRID)``
         Likewise; only with ``grid``.
+    balance : ``In(BALANCE)``
+        May change at any time, as a whole: frames that begin some clocks later have it.
     active : ``Out(1)``
         Enabled, or a frame is under way in the sensor's domain.
     area, limit, begins, ends, good, rows, counts
@@ -62,7 +73,8 @@ class Capture(wiring.Component):
         self.pending, self.row = pending, grid
         super().__init__({
             "clock": In(1), "pins": In(PINS), "enable": In(1), "settings": In(SETTINGS),
-            **({} if grid is None else {"grid": In(GRID)}), "active": Out(1),
+            **({} if grid is None else {"grid": In(GRID)}),
+            "balance": In(BALANCE, init=NO_BALANCE), "active": Out(1),
             "area": In(AREA), "limit": In(32), "begins": Out(1), "ends": Out(1), "good": Out(1),
             "rows": Out(SIZE_BITS), "counts": Out(COUNTS), "half_full": Out(1),
             "memory_rst": In(1), "bus": Out(WriteHost(data_width, burst, pending)),
@@ -88,11 +100,14 @@ class Capture(wiring.Component):
         m.submodules.bursts = bursts = BurstWriter(self.data_width, burst=self.burst,
                                                      pending=self.pending)
         m.submodules.enable = FFSynchronizer(self.enable, port.enable, o_domain="camera")
+        m.submodules.balance = balance = DomainRenamer({"there": "camera"})(
+            WordCrossing(BALANCE, init=NO_BALANCE))
         # One register before it: a synchroniser must not see a glitch.
         active, active_there = Signal(), Signal()
         m.d.camera += active.eq(port.active)
         m.submodules.active = FFSynchronizer(active, active_there)
         connect(m, flipped(self.pins), port.pins)
+        m.d.comb += [balance.i.eq(self.balance), port.balance.eq(balance.o)]
         if self.row is not None:
             m.d.comb += port.grid.eq(self.grid)
         connect(m, relay.o, writer.i)

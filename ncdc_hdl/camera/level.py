@@ -1,4 +1,4 @@
-"""Converts samples of a sensor to bytes: black level, and a curve of straight pieces."""
+"""Converts samples of a sensor to bytes: black level, gain, and a curve of straight pieces."""
 
 from amaranth import *
 from amaranth.lib import data, wiring
@@ -6,6 +6,7 @@ from amaranth.lib.wiring import In, Out
 
 from ncdc_hdl.lib.pipeline import delay, register
 from ncdc_spec.sensors.level import CURVE_BITS, LINEAR, PIECES, SAMPLE_BITS
+from ncdc_spec.white_balance import GAIN_BITS, GAIN_F_BITS, UNITY
 
 __all__ = ["LEVEL", "Level"]
 
@@ -19,27 +20,32 @@ _PIECE_BITS = 8
 class Level(wiring.Component):
     """Computes :func:`ncdc_spec.sensors.level.levelled` of a sample in every clock.
 
-    Timing: free-running; ``o`` follows ``i`` after ``latency`` clocks.
+    Timing: free-running; ``o`` follows ``i`` and ``gain`` after ``latency`` clocks. Two
+    multipliers.
 
     Members
     -------
     level : ``In(LEVEL)``
         Constant while samples come.
     i : ``In(12)``
+    gain : ``In(10)``
+        Gain of this sample, in 256ths.
     o : ``Out(8)``
     """
 
-    latency = 6
+    gain_latency = 4
+    """Clocks from a sample to its value after black level and gain: above black, product twice,
+    rounded and limited."""
+    latency = gain_latency + 5
+    """That, and nodes of the piece, their slope, rise twice, the byte."""
 
     def __init__(self):
         super().__init__({"level": In(LEVEL, init={"curve": LINEAR}), "i": In(SAMPLE_BITS),
-                          "o": Out(8)})
+                          "gain": In(GAIN_BITS, init=UNITY), "o": Out(8)})
 
     def elaborate(self, platform):
         m = Module()
-        # Above black.
-        above = self.i - self.level.black
-        d = register(m, "above_black", Mux(above[-1], 0, above[:SAMPLE_BITS]))
+        d = self._gained(m)
         # Both nodes of the piece.
         piece, nodes = d[_PIECE_BITS:], [self.level.curve[k] for k in range(PIECES + 1)]
         left = register(m, "left", Array(nodes[:-1])[piece])
@@ -54,3 +60,15 @@ class Level(wiring.Component):
         value = (Cat(Const(128, _PIECE_BITS), left) + rise)[_PIECE_BITS:_PIECE_BITS + CURVE_BITS]
         m.d.sync += self.o.eq(Mux(value[-1], 255, value))
         return m
+
+    def _gained(self, m):
+        """The sample above black times its gain, at most what a full sample is above black."""
+        above = self.i - self.level.black
+        above = register(m, "above_black", Mux(above[-1], 0, above[:SAMPLE_BITS]))
+        gain = register(m, "gain_of_sample", self.gain)
+        product = register(m, "gained_p1", register(m, "gained_p0", above * gain))
+        # Adding a half carries exactly if the highest bit dropped is set.
+        whole = Signal(SAMPLE_BITS + GAIN_BITS - GAIN_F_BITS)
+        m.d.comb += whole.eq(product[GAIN_F_BITS:] + product[GAIN_F_BITS - 1])
+        full = register(m, "full", ~self.level.black)           # 4095 - black
+        return register(m, "gained", Mux(whole > full, full, whole[:SAMPLE_BITS]))

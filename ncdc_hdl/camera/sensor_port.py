@@ -6,8 +6,10 @@ from amaranth.lib.wiring import In, Out
 
 from ncdc_hdl.camera.grid import Grid
 from ncdc_hdl.camera.layouts import (
+    BALANCE,
     ENTRY,
     GRID,
+    NO_BALANCE,
     PINS,
     REPORT,
     SAMPLES,
@@ -48,6 +50,8 @@ class SensorPort(wiring.Component):
         Constant while ``active``.
     grid : ``In(GRID)``
         Likewise; only with ``grid``.
+    balance : ``In(BALANCE)``
+        May change at any time; each frame has the gains of its beginning.
     active : ``Out(1)``
         Enabled, or a frame is under way, or its end waits.
     entry, push : ``Out(ENTRY)``, ``Out(1)``
@@ -59,7 +63,8 @@ class SensorPort(wiring.Component):
         self.row = grid
         super().__init__({"pins": In(PINS), "enable": In(1), "settings": In(SETTINGS),
                           **({} if grid is None else {"grid": In(GRID)}),
-                          "active": Out(1), "entry": Out(ENTRY), "push": Out(1), "space": In(1)})
+                          "balance": In(BALANCE, init=NO_BALANCE), "active": Out(1),
+                          "entry": Out(ENTRY), "push": Out(1), "space": In(1)})
 
     def elaborate(self, platform):
         m = Module()
@@ -100,23 +105,28 @@ class SensorPort(wiring.Component):
         with m.Elif(row_ends):
             m.d.sync += y.eq(y + ~y.all())
         ended = register(m, "ended", row_ends, reset_less=False)
+        sent_x, sent_y = x, y
+        if even is not None:
+            # Position in the binned frame.
+            x, y = (Mux(self.grid.binning, Cat(value[0] & value[1], value[2:]), value)
+                    for value in (x, y))
         inside, row_last, outside = self._window(m, x, y, line, ended, even)
 
         # Bytes, and the control signals of their clock.
         m.submodules.level = level = Level()
-        m.d.comb += [level.level.eq(settings.level),
+        m.d.comb += [level.level.eq(settings.level), level.gain.eq(self._gain(m, x, y, frame)),
                      level.i.eq(delay(m, sample, 1, "sample"))]
         later = {name: delay(m, signal, level.latency, name, reset_less=False)
                  for name, signal in (("inside", inside), ("row_last", row_last),
                                       ("outside", outside))}
         later |= {name: delay(m, signal, 1 + level.latency, name, reset_less=False)
                   for name, signal in (("begins", begins), ("ends", ends))}
-        wrong = x != settings.sent_width
+        wrong = sent_x != settings.sent_width
         if self.row is not None:
-            wrong |= (x > self.row) & self.grid.as_value().any()
+            wrong |= (sent_x > self.row) & self.grid.as_value().any()
         wrong_length = register(m, "wrong_length", wrong)
         wrong_line = delay(m, ended & wrong_length, level.latency, "wrong_line", reset_less=False)
-        rows = y + row_ends
+        rows = sent_y + row_ends
         wrong_rows = delay(m, rows != settings.sent_height, 1 + level.latency, "wrong_rows")
         self._entries(m, level.o, later, enable, wrong_line, wrong_rows)
         return m
@@ -129,16 +139,31 @@ class SensorPort(wiring.Component):
                      grid.i.row_end.eq(before & ~line), grid.i.sample.eq(sample)]
         return grid.o
 
+    def _gain(self, m, x, y, frame):
+        """The gain of the sample of the clock before, at this position.
+
+        An evened frame begins in the third column and row, which does not change the colours.
+        """
+        settings, balance = self.settings, Signal.like(self.balance, name="frame_balance")
+        # Loaded between two frames. A frame's last sample still reads it a clock later.
+        with m.If(~frame):
+            m.d.sync += balance.eq(self.balance)
+        gains, phase = balance.gains, balance.phase
+        red_column, red_row = (
+            register(m, f"red_{name}", ~(position[0] ^ corner[0] ^ phase[k]))
+            for k, (name, position, corner) in enumerate((("column", x, settings.left),
+                                                          ("row", y, settings.top))))
+        return Mux((red_column ^ red_row) | phase[2], gains[1],
+                   Mux(red_column, gains[0], gains[2]))
+
     def _window(self, m, x, y, line, ended, even):
         """(The sample is in the window; a row of the window ends with it or after
         it, a clock later; a row of the sensor has ended outside of the window)."""
         settings, sent_ended = self.settings, ended
         left, top = settings.left, settings.top
         if even is not None:
-            # Position in the binned frame; an evened one begins in its third column and row.
-            x, y = (Mux(self.grid.binning, Cat(value[0] & value[1], value[2:]), value)
-                    for value in (x, y))
             line = even.valid
+            # An evened frame begins in the third column and row.
             ended = register(m, "even_ended", even.row_end, reset_less=False)
             begin = Mux(self.grid.weight.any(), 2, 0)
             left, top = register(m, "left", left + begin), register(m, "top", top + begin)

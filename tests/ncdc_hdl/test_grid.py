@@ -4,14 +4,10 @@ from itertools import product
 
 import numpy as np
 import pytest
-from amaranth import *
-from amaranth.sim import Simulator
 
 from cameras import barrel_descriptor
 from ncdc_hdl.camera.grid import Grid
-from ncdc_hdl.camera.layouts import REPORT, Kind
 from ncdc_hdl.camera.moved import Moved
-from ncdc_hdl.camera.sensor_port import SensorPort
 from ncdc_hdl.system import System
 from ncdc_spec.errors import InputError
 from ncdc_spec.geometry import MAX_SIZE
@@ -19,6 +15,7 @@ from ncdc_spec.hardware import Hardware
 from ncdc_spec.sensors.grid import evened, grid_size, gridded
 from ncdc_spec.sensors.level import levelled
 from pipelines import run_pipeline
+from sensor_ports import CLEAN, Port, pins_of, random_frames
 
 MODES = [(0, 0), (3, 0), (2, 1), (0, 1)]        # weight and binning
 FAST, SLOW = (0, 1, 0), (3, 7, 5)               # see `pins_of`
@@ -47,100 +44,10 @@ def test_moved_equals_model():
     assert np.array_equal(np.ravel(found), wanted)
 
 
-def pins_of(samples, pauses, change=lambda y, row: row):
-    """(FRAME_VALID, LINE_VALID, sample) of each clock of a frame.
-
-    ``pauses``: clocks before the first row, after a row, after the last one, in which FRAME_VALID
-    is high; 0 after the last one: it falls with the last sample's LINE_VALID.
-    ``change(y, row)`` gives a row's samples otherwise, None for a clock without one.
-    """
-    before, between, after = pauses
-    clocks = [(1, 0, 1234)] * before
-    for y, row in enumerate(samples):
-        clocks += [(1, 0, 4095) if value is None else (1, 1, int(value))
-                   for value in change(y, list(row))]
-        clocks += [(1, 0, 777)] * (between if y < len(samples) - 1 else after)
-    return clocks + [(0, 0, 99)] * 4
-
-
-class Port:
-    """Runs a ``SensorPort`` with a grid stage, and gathers its entries.
-
-    Parameters
-    ----------
-    sent, window : (int, int)
-        Width and height.
-    corner : (int, int)
-    mode : (int, int)
-        Weight and binning.
-    row : int, optional
-        Of the stage; by default the sent width.
-    """
-    def __init__(self, sent, window, corner, mode, row=None):
-        self.dut = SensorPort(sent[0] if row is None else row)
-        self.sent, self.window, self.corner, self.mode = sent, window, corner, mode
-        self.frames, self.entries = [], None
-
-    def run(self, clocks, events=(), enable=1):
-        """Give the pins what ``clocks`` say; ``events``: (clock, signal, value)."""
-        dut, reset = self.dut, Signal()
-        simulator = Simulator(ResetInserter(reset)(dut))
-        simulator.add_clock(1e-8)
-
-        async def bench(ctx):
-            (width, height), (left, top) = self.window, self.corner
-            weight, binning = self.mode
-            ctx.set(dut.settings, {"sent_width": self.sent[0], "sent_height": self.sent[1],
-                                   "left": left, "top": top, "width": width, "height": height})
-            ctx.set(dut.settings.level.curve, [16 * k for k in range(17)])
-            ctx.set(dut.grid, {"weight": weight, "binning": binning})
-            ctx.set(dut.enable, enable)
-            ctx.set(dut.space, 1)
-            await ctx.tick().repeat(Grid.latency + 8)
-            for number, (frame, line, sample) in enumerate([*clocks, *[(0, 0, 0)] * 60]):
-                for at, name, value in events:
-                    if at == number:
-                        ctx.set(reset if name == "reset" else getattr(dut, name), value)
-                ctx.set(dut.pins.frame_valid, frame)
-                ctx.set(dut.pins.line_valid, line)
-                ctx.set(dut.pins.data, sample)
-                await ctx.tick()
-                self._look(ctx)
-
-        simulator.add_testbench(bench)
-        simulator.run()
-        return self.frames
-
-    def _look(self, ctx):
-        """Take the entry of this clock."""
-        dut = self.dut
-        if not ctx.get(dut.push) or not ctx.get(dut.space):
-            return
-        kind, word = ctx.get(dut.entry.kind), ctx.get(dut.entry.data)
-        if kind == Kind.BEGIN:
-            self.entries = [[]]
-        elif kind == Kind.END:
-            report = REPORT.from_bits(word)
-            rows = [row[:self.window[0]] for row in self.entries[:-1]]
-            self.frames.append((rows, {"rows": report.rows, "lines": report.lines,
-                                       "missed": report.missed, "overflow": report.overflow}))
-        elif kind in (Kind.WORD, Kind.ROW_END):
-            self.entries[-1] += list(word.to_bytes(4, "little"))
-            if kind == Kind.ROW_END:
-                self.entries.append([])
-
-
-CLEAN = {"rows": 0, "lines": 0, "missed": 0, "overflow": 0}
-
-
 def whole(port, samples):
     """The window of a frame as the golden model has it."""
     (left, top), (width, height) = port.corner, port.window
     return levelled(gridded(samples, *port.mode))[top:top + height, left:left + width].tolist()
-
-
-def random_frames(sent, count, seed=1):
-    return np.random.default_rng(seed).integers(0, 4096, (count, sent[1], sent[0]))
 
 
 @pytest.mark.parametrize("size,mode", [
