@@ -58,7 +58,8 @@ class Corrector(wiring.Component):
     ----------
     descriptor : ncdc_spec.descriptor.Descriptor
     runs : bool
-        Whether a :class:`RunControl` can start it, besides the host.
+        Whether it belongs to a :class:`System`, with a camera's capture: a :class:`RunControl` can
+        start it, besides the host.
     hardware : ncdc_spec.hardware.Hardware
         With the output "memory" a burst writer stores pixels in the format that a register
         chooses, row after row without a gap. With "stream" it has a video stream source instead.
@@ -86,6 +87,8 @@ class Corrector(wiring.Component):
         Rows of the raw frame that are in memory; counts if the register FOLLOW is 1.
     run : ``In(RUN)``
         Starts frames with buffers of their own; only if it ``runs`` by itself.
+    bayer_phase : ``Out(3)``
+        The active set's; likewise.
     front_end_idle : ``Out(1)``
         The network is idle. A board with a separate clock for the neurons may gate it with
         this; scan, queue and registers need their clock.
@@ -119,11 +122,12 @@ class Corrector(wiring.Component):
         self.fetch = (Cache(f_bits, data_width, self.hardware.cache, lanes) if hardware.cached
                       else Multiport(f_bits, data_width))
         self.interpolator = Interpolator(f_bits, lanes, needs, hardware.colour)
-        rows = registers(descriptor.hidden_neurons, formats, descriptor.nodes, hardware.colour)
+        rows = registers(descriptor.hidden_neurons, formats, descriptor.nodes, hardware.colour,
+                         hardware.raw_balance)
         self.registers = Registers(
             rows, host_values(descriptor, self.hardware), digest=int(descriptor.digest[:8], 16),
             hidden_neurons=descriptor.hidden_neurons, nodes=descriptor.nodes,
-            capabilities=capabilities(self.hardware, *self.table.largest),
+            capabilities=capabilities(self.hardware, *self.table.largest, capture=runs),
             in_memory=in_memory(rows, self.hardware),
             neurons=self.hardware.served(descriptor.hidden_neurons))
         self.checks = Checks(self.hardware, *self.table.largest,
@@ -142,7 +146,7 @@ class Corrector(wiring.Component):
         if hardware.axi:
             ports |= {"read_failed": In(1)}
         if runs:
-            ports |= {"run": In(RUN)}
+            ports |= {"run": In(RUN), "bayer_phase": Out(3)}
         super().__init__(ports | {"memory_rst": In(1), "irq": Out(1), "camera_rows": In(SIZE),
                                   "front_end_idle": Out(1)})
 
@@ -289,6 +293,7 @@ class Corrector(wiring.Component):
             registers.running.eq(run.active), registers.start.eq(run.start),
             run.idle.eq(registers.idle), run.over.eq(registers.ended), run.cut.eq(registers.cut),
             run.fault.eq(registers.faults.as_value().any()),
+            self.bayer_phase.eq(active.BAYER_PHASE),
         ]
         return active
 

@@ -186,6 +186,8 @@ class System(wiring.Component):
             settings.width.eq(values.WINDOW_WIDTH), settings.height.eq(values.WINDOW_HEIGHT),
             settings.level.black.eq(values.BLACK_LEVEL),
             *(settings.level.curve[k].eq(values[f"CURVE{k}"]) for k in range(PIECES + 1)),
+            Value.cast(capture.balance.gains).eq(values.CAPTURE_GAINS),
+            capture.balance.phase.eq(self.corrector.bayer_phase),
             capture.area.pitch.eq(values.RAW_PITCH), capture.area.width.eq(values.WINDOW_WIDTH),
             capture.area.height.eq(values.WINDOW_HEIGHT),
             capture.area.base.eq(base), capture.area.limit.eq(base + values.RAW_BYTES),

@@ -60,6 +60,9 @@ class Hardware:
     colour : bool
         Whether there are registers for white balance and tone, which after configuration change
         no pixel, and sums of the colours.
+    raw_balance : bool
+        Whether there are gains of the colours before interpolation, of raw samples as the tile
+        cache is filled, which after configuration change no pixel.
     format : str
         Name of the ``OutputFormat`` of pixels in memory, after configuration.
     bus : str
@@ -72,7 +75,7 @@ class Hardware:
     ------
     InputError
         If a value is none of the above, strips or a format are asked of a stream, the multiport
-        fetcher is to give more than one pixel per clock, or packets of Intel's suite are asked of
+        fetcher is to give more than one pixel per clock or gains of raw samples, or packets of Intel's suite are asked of
         anything but a stream of Avalon's with one pixel per clock.
     """
     data_width: int = 32
@@ -86,6 +89,7 @@ class Hardware:
     multiplier_bits: int = 27
     lanes: int = 1
     colour: bool = False
+    raw_balance: bool = False
     format: str = BGRX8.name
     bus: str = BUSES[0]
     video: str = VIDEOS[0]
@@ -112,7 +116,8 @@ class Hardware:
         if self.lanes > 1 and not self.cached:
             raise InputError(f"pixels per clock is {self.lanes}, the multiport fetcher can have 1 "
                              f"only")
-
+        if self.raw_balance and not self.cached:
+            raise InputError("fetch is multiport, gains of raw samples need cache")
         if self.video != VIDEOS[0]:
             self._check_video()
 
@@ -265,7 +270,7 @@ class Hardware:
                 "data_width": self.data_width, "output": self.output, "hidden": self.hidden,
                 "share": self.share, "multiplier_bits": self.multiplier_bits,
                 "pixels_per_clock": self.lanes, "format": None if self.stream else self.format,
-                "colour": self.colour, "bus": self.bus,
+                "colour": self.colour, "raw_balance": self.raw_balance, "bus": self.bus,
                 "video": self.video if self.stream else None}
 
     def options(self, geometry):
@@ -278,6 +283,7 @@ class Hardware:
                 f"--multiplier-bits {self.multiplier_bits}", f"--pixels-per-clock {self.lanes}",
                 *([] if self.stream else [f"--format {self.format}"]),
                 *(["--colour"] if self.colour else []),
+                *(["--raw-balance"] if self.raw_balance else []),
                 *([f"--bus {self.bus}"] if self.axi else []),
                 *([f"--video {self.video}"] if self.video != VIDEOS[0] else [])]
 

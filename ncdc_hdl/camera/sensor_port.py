@@ -93,19 +93,8 @@ class SensorPort(wiring.Component):
                                                                 reset_less=False)),
                      ends.eq(~frame & frame_before), row_ends.eq(~line & line_before)]
 
-        # Position of the sample; counters stop at their largest value.
-        x, y = Signal(SIZE_BITS), Signal(SIZE_BITS)
-        with m.If(line):
-            m.d.sync += x.eq(x + ~x.all())
-        with m.Else():
-            m.d.sync += x.eq(0)
-        # Before the frame begins: its first sample may come at once.
-        with m.If(~frame):
-            m.d.sync += y.eq(0)
-        with m.Elif(row_ends):
-            m.d.sync += y.eq(y + ~y.all())
+        sent_x, sent_y = x, y = self._position(m, frame, line, row_ends)
         ended = register(m, "ended", row_ends, reset_less=False)
-        sent_x, sent_y = x, y
         if even is not None:
             # Position in the binned frame.
             x, y = (Mux(self.grid.binning, Cat(value[0] & value[1], value[2:]), value)
@@ -130,6 +119,21 @@ class SensorPort(wiring.Component):
         wrong_rows = delay(m, rows != settings.sent_height, 1 + level.latency, "wrong_rows")
         self._entries(m, level.o, later, enable, wrong_line, wrong_rows)
         return m
+
+    @staticmethod
+    def _position(m, frame, line, row_ends):
+        """Column and row of the sample among those sent; counters stop at their largest value."""
+        x, y = Signal(SIZE_BITS), Signal(SIZE_BITS)
+        with m.If(line):
+            m.d.sync += x.eq(x + ~x.all())
+        with m.Else():
+            m.d.sync += x.eq(0)
+        # Before the frame begins: its first sample may come at once.
+        with m.If(~frame):
+            m.d.sync += y.eq(0)
+        with m.Elif(row_ends):
+            m.d.sync += y.eq(y + ~y.all())
+        return x, y
 
     def _even(self, m, frame, line, sample):
         """The samples after the grid stage."""

@@ -39,8 +39,10 @@ class WordCrossing(wiring.Component):
     def elaborate(self, platform):
         m = Module()
         offered = Signal.like(self.o, init=self.init)
-        asked, asked_there = Signal(), Signal()         # change with each value offered
-        taken, taken_here = Signal(), Signal()          # and follows when it is taken
+        asked = Signal()            # changes with each value offered
+        asked_there = Signal()
+        taken = Signal()            # follows it when the value is taken
+        taken_here = Signal()
         m.submodules.asked_cdc = FFSynchronizer(asked, asked_there, o_domain="there")
         m.submodules.taken_cdc = FFSynchronizer(taken, taken_here)
         changed = Value.cast(self.i) != Value.cast(offered)

@@ -25,6 +25,10 @@ SYNCHRONISERS = (
     ("scl", "i2c.scl_cdc.stage0", "i2c.scl_cdc.stage1", 1),
     ("sda", "i2c.sda_cdc.stage0", "i2c.sda_cdc.stage1", 1),
     ("page.values", "capture.enable.stage0", "capture.enable.stage1", 1),
+    ("capture.balance.asked", "capture.balance.asked_cdc.stage0",
+     "capture.balance.asked_cdc.stage1", 1),
+    ("capture.balance.taken", "capture.balance.taken_cdc.stage0",
+     "capture.balance.taken_cdc.stage1", 1),
     ("capture.$signal", "capture.active.stage0", "capture.active.stage1", 1),
     (f"{QUEUE}.produce_w_gry", f"{QUEUE}.produce_cdc.stage0", f"{QUEUE}.produce_cdc.stage1", 10),
     (f"{QUEUE}.consume_r_gry", f"{QUEUE}.consume_cdc.stage0", f"{QUEUE}.consume_cdc.stage1", 10),
@@ -33,6 +37,8 @@ SYNCHRONISERS = (
 RESETS = {("rst", "capture.reset.stage0"), ("rst", "capture.reset.stage1")}
 # An entry of the queue is read when the counter that has passed it has crossed.
 MEMORIES = {(f"{QUEUE}.storage", f"{QUEUE}.r_data")}
+# Gains, which are constant while that says that they are to be taken.
+WORDS = {("capture.balance.offered", "capture.balance.o")}
 # Amaranth's queue has a level for its writer, with logic before a synchroniser. We do not use it.
 UNUSED = "capture.queue.consume_buffered_cdc"
 # Constant while the capture is active: registers that are locked then.
@@ -60,7 +66,7 @@ def registers_in(system, bits):
 
 def unknown(crossings, prefix):
     """Those whose sink is no synchroniser, reset or memory of the tables above."""
-    known = {sink for _, sink, *_ in SYNCHRONISERS} | {sink for _, sink in RESETS | MEMORIES}
+    known = {sink for _, sink, *_ in SYNCHRONISERS} | {sink for _, sink in RESETS | MEMORIES | WORDS}
     known |= {f"{UNUSED}.stage0"}
     return {c for c in crossings if prefix + c.sink not in known}
 
@@ -69,7 +75,7 @@ def unknown(crossings, prefix):
 def test_every_crossing_is_a_known_one(system, clocks):
     crossings = clocks.crossings()
     pairs = {(c.source, c.sink) for c in crossings}
-    assert {(source, sink) for source, sink, *_ in SYNCHRONISERS} | RESETS | MEMORIES <= pairs
+    assert {(source, sink) for source, sink, *_ in SYNCHRONISERS} | RESETS | MEMORIES | WORDS <= pairs
     settings = unknown(crossings, "")
     assert {c.source for c in settings} == {"page.values"}
     assert all(c.sink.startswith("capture.port.") for c in settings)

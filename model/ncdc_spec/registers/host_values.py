@@ -12,7 +12,7 @@ from ncdc_spec.frames import (
 )
 from ncdc_spec.hardware import Hardware
 from ncdc_spec.interpolation import check_crest
-from ncdc_spec.registers.register_map import BAYER_MONO, TABLE, network_registers
+from ncdc_spec.registers.register_map import BAYER_MONO, RAW_GAINS, TABLE, network_registers
 
 __all__ = ["address_values", "colour_values", "host_values", "network_values", "table_words"]
 
@@ -56,7 +56,8 @@ def address_values(geometry, data_width, addresses, form=BGRX8):
 
 
 def colour_values(colour):
-    """Register values, by name, of the gains and the tone curve of ``colour``."""
+    """Register values, by name, of the gains after interpolation and the tone curve of ``colour``.
+    """
     return {**{f"GAIN_{name.upper()}": gain for name, gain in zip(COLOURS, colour.gains)},
             **{f"TONE{k}": node for k, node in enumerate(colour.tone)}}
 
@@ -75,7 +76,8 @@ def host_values(descriptor, hardware=Hardware(), addresses=None, follow=False, c
     follow : bool
         Whether the corrector begins before the raw frame is complete.
     colour : Colour
-        Crest; gains and tone curve, where the hardware has registers for them.
+        Crest; gains before and after interpolation and tone curve, where the hardware has
+        registers for them.
     neurons : int, optional
         As for :func:`network_values`.
 
@@ -105,6 +107,7 @@ def host_values(descriptor, hardware=Hardware(), addresses=None, follow=False, c
         "CACHE_SPLIT": hardware.split_for(g), "STRIP_WIDTH": hardware.strip, "FOLLOW": int(follow),
         "CREST": colour.crest,
         **(colour_values(colour) if hardware.colour else {}),
+        **(dict(zip(RAW_GAINS, colour.raw_gains)) if hardware.raw_balance else {}),
     }
 
 

@@ -12,7 +12,7 @@ __all__ = ["ADDRESS_WORDS_BITS", "BAYER_MONO", "Bits", "CAPABILITIES", "capabili
            "COLOUR_COUNTERS", "COLOUR_SETTINGS", "CONSTANTS", "COUNTERS", "counters",
            "CTRL_ABORT", "CTRL_COMMIT", "CTRL_START", "FAULT_ALIGNMENT", "FAULT_FORMAT",
            "FAULT_MEMORY", "FAULT_SIZE", "FAULT_SOURCE", "FAULT_TARGET", "Flag", "ID",
-           "INTERPOLATION_BITS", "network_registers", "NODES", "OUTSIDE_DIGEST",
+           "INTERPOLATION_BITS", "network_registers", "NODES", "OUTSIDE_DIGEST", "RAW_GAINS",
            "Register", "registers", "SKIP", "STATUS_ABORTED", "STATUS_BANK",
            "STATUS_BUSY", "STATUS_COMMITTED", "STATUS_DONE", "STATUS_FAULT",
            "STATUS_PENDING", "STATUS_REFUSED", "TABLE", "VERSION"]
@@ -30,10 +30,13 @@ CONSTANTS = ("ID", "DIGEST", "NEURONS", "NODES", "CAPABILITIES", "LARGEST")
 COLOUR_SETTINGS = ("GAIN_RED", "GAIN_GREEN", "GAIN_BLUE",
                    *(f"TONE{k}" for k in range(len(NODE_POSITIONS))))
 
+# Shadow registers of the gains before interpolation, where there are any.
+RAW_GAINS = ("RAW_GAIN_RED", "RAW_GAIN_GREEN", "RAW_GAIN_BLUE")
+
 # Registers of the set that do not depend on the lens: DIGEST does not include them.
 OUTSIDE_DIGEST = ("VALID_BANK", "SOURCE_BASE", "SOURCE_LIMIT", "SOURCE_PITCH", "TARGET_BASE",
                   "TARGET_LIMIT", "OUTPUT_FORMAT", "CREST", "FOLLOW", "CACHE_SPLIT", "STRIP_WIDTH",
-                  *COLOUR_SETTINGS)
+                  *COLOUR_SETTINGS, *RAW_GAINS)
 
 CTRL_START, CTRL_COMMIT, CTRL_ABORT = 1, 2, 4
 STATUS_BUSY, STATUS_DONE, STATUS_PENDING = 1, 2, 4
@@ -256,10 +259,15 @@ _FIXED = (
             Flag("GRADIENT", INTERPOLATION_BITS[GRADIENT.name], "ro",
                  "1: it has the gradient-corrected interpolation, and that of grey sensors"),
             Flag("LANES", 0x7000, "ro", "pixels per clock"),
-            Flag("COLOUR", 0x8000, "ro", "1: it has gains, a tone curve and sums of the colours"),
+            Flag("COLOUR", 0x8000, "ro", "1: it has gains after interpolation, a tone curve and "
+                 "sums of the colours"),
             Flag("WORD", 0x1F0000, "ro", "bytes of a memory word"),
             Flag("DIRECTIONAL", INTERPOLATION_BITS[DIRECTIONAL.name], "ro",
                  "1: it has the directional interpolation, and that of grey sensors"),
+            Flag("RAW_GAINS", 0x400000, "ro", "1: it has gains before interpolation, of raw "
+                 "frames as they are read: `RAW_GAIN_RED` and so on"),
+            Flag("CAPTURE_GAINS", 0x800000, "ro", "1: it has gains before interpolation, of "
+                 "samples as the camera captures them: `CAPTURE_GAINS`"),
             Flag("MAX_SPLIT", 0xF000000, "ro", "largest `CACHE_SPLIT`"), access="ro"),
     _action("LARGEST", 0x26, "Largest corrected image that this instance makes.",
             Flag("WIDTH", 0x1FFF, "ro", "pixels per row"),
@@ -282,17 +290,24 @@ _NODES = Register("NODES", NODES, "ro", Bits(6),
 _COLOURS, _TONE = ("RED", "GREEN", "BLUE"), 0x50
 _COLOUR = (
     *(Register(f"GAIN_{name}", 0x40 + k, "shadow", Bits(GAIN_BITS),
-               f"White balance: gain of {name.lower()} in 256ths, 256 is 1.0.")
+               f"White balance after interpolation: gain of {name.lower()} in 256ths, 256 is "
+               "1.0.")
       for k, name in enumerate(_COLOURS)),
     *(Register(f"{name}_SUM", 0x44 + k, "ro", Bits(32),
                f"Sum of {name.lower()} over the pixels of the last frame that have a source, "
-               "before the gain.") for k, name in enumerate(_COLOURS)),
+               "before `GAIN_RED` and so on; gains before interpolation are in it.")
+      for k, name in enumerate(_COLOURS)),
     Register("VALID_PIXELS", 0x47, "ro", Bits(25), "Pixels that these sums are of."),
     *(Register(f"TONE{k}", _TONE + k, "shadow", Bits(NODE_BITS),
                f"Tone curve: what the value {value} becomes, 0..256.",
                family=("TONEj", "Tone curve: what the value at node j becomes, 0..256; "
                        "j = 0..16."))
       for k, value in enumerate(NODE_POSITIONS)))
+_RAW_GAINS = tuple(
+    Register(name, 0x48 + k, "shadow", Bits(GAIN_BITS),
+             f"White balance before interpolation, of the raw frame as it is read: gain of its "
+             f"{colour.lower()} samples in 256ths, 256 is 1.0. A grey sensor's have that of green.")
+    for k, (name, colour) in enumerate(zip(RAW_GAINS, _COLOURS)))
 _HIDDEN, _OUTPUT, _OUTPUT_BIAS, SKIP = 0x100, 0x200, 0x280, 0x284
 
 
@@ -329,9 +344,11 @@ def _numbered(name, text, j, address, q, parameter):
                     parameter=parameter, family=(name.format("j"), text.format("j")))
 
 
-def registers(hidden_neurons, formats, nodes=1, colour=False):
+def registers(hidden_neurons, formats, nodes=1, colour=False, raw_balance=False):
     """All registers of an instance, by ascending address."""
-    return (*_FIXED, *([_NODES] if nodes > 1 else []), *(_COLOUR if colour else ()),
+    optional = (*(_COLOUR if colour else ()), *(_RAW_GAINS if raw_balance else ()))
+    return (*_FIXED, *([_NODES] if nodes > 1 else []),
+            *sorted(optional, key=lambda row: row.address),
             *network_registers(hidden_neurons, formats))
 
 
@@ -340,7 +357,7 @@ def counters(table):
     return tuple(r for r in table if r.name in (*COUNTERS, *COLOUR_COUNTERS, "FRAMES"))
 
 
-def capabilities(hardware, width, height):
+def capabilities(hardware, width, height, capture=False):
     """Values of CAPABILITIES and LARGEST, by name.
 
     Parameters
@@ -349,10 +366,13 @@ def capabilities(hardware, width, height):
         Made for a camera.
     width, height : int
         Size of the largest corrected image.
+    capture : bool
+        Whether it belongs to a system with a camera's capture.
     """
     split = hardware.cache.max_split if hardware.cached else 0
     interpolation = hardware.cache.interpolation if hardware.cached else FAST
     return {"CAPABILITIES": VERSION | hardware.stream << 8 | hardware.cached << 9
             | INTERPOLATION_BITS[interpolation.name] | hardware.lanes << 12
-            | hardware.colour << 15 | hardware.data_width // 8 << 16 | split << 24,
+            | hardware.colour << 15 | hardware.data_width // 8 << 16
+            | hardware.raw_balance << 22 | capture << 23 | split << 24,
             "LARGEST": width | height << 16}

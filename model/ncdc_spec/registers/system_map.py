@@ -10,6 +10,7 @@ from ncdc_spec.geometry import MAX_SIZE
 from ncdc_spec.registers.register_map import ADDRESS_WORDS_BITS, Bits, Flag, Register
 from ncdc_spec.sensors.grid import MAX_WEIGHT
 from ncdc_spec.sensors.level import CURVE_BITS, PIECES, SAMPLE_BITS
+from ncdc_spec.white_balance import GAIN_BITS
 
 __all__ = ["CAMERA", "EVENTS", "GRID_ROW_MIN", "I2C_COMMAND_FLAGS", "LOCKED", "STORES",
            "SYSTEM_WORDS_BITS", "Stores", "system_registers"]
@@ -74,8 +75,8 @@ def system_registers(stores, grid=None):
     grid : int, optional
         Samples of the longest row that capture's grid stage takes; absent: there is no such stage.
     """
-    camera = (*_control(), *_settings(), *_curve(), *_grid(grid), *_counts(), *_screen(stores),
-              *_i2c())
+    camera = (*_control(), *_settings(), *_curve(), *_grid(grid), *_gains(), *_counts(),
+              *_screen(stores), *_i2c())
     return (*(_moved(r, CAMERA) for r in camera), *_stores(stores))
 
 
@@ -155,6 +156,19 @@ def _grid(row):
         _ro("GRID_ROW", 0x23, "Samples of the longest row that can be moved or binned: a longer "
             "one is then a fault. 0: the system has no such stage.", _SIZE),
     )
+
+
+def _gains():
+    """The register of the gains at capture: one word, so that no frame has a part of a set."""
+    mask = (1 << GAIN_BITS) - 1
+    return (Register(
+        "CAPTURE_GAINS", 0x24, "rw", Bits(3 * GAIN_BITS),
+        "White balance before interpolation: each sample that is captured is multiplied by the "
+        "gain of its colour, of which `BAYER_PHASE` says which it is, after the black level and "
+        "before the curve. A grey sensor's samples have the gain of green. Written at any time; "
+        "frames of the sensor that begin afterwards have it.",
+        tuple(Flag(name, mask << k * GAIN_BITS, "rw", f"gain of {name.lower()} in 256ths, 256 is "
+                   "1.0") for k, name in enumerate(("RED", "GREEN", "BLUE")))),)
 
 
 def _counts():

@@ -1,8 +1,10 @@
 """Values of a system's registers after a reset: sizes and addresses for one camera."""
 
 from ncdc_spec.frames import FrameAddresses, output_format, source_bytes, target_bytes
+from ncdc_spec.raw_gains import NO_RAW_GAINS
 from ncdc_spec.registers.system_map import Stores
 from ncdc_spec.sensors.level import LINEAR
+from ncdc_spec.white_balance import gains_word
 
 __all__ = ["memory_bytes", "stores_for", "system_values"]
 
@@ -53,6 +55,7 @@ def system_values(descriptor, hardware, stores):
         "CLOCK_LIMIT": _CLOCK_LIMIT, "RAW_PITCH": pitch, "RAW_BYTES": raw,
         "CORRECTED_BYTES": corrected,
         **{f"CURVE{k}": value for k, value in enumerate(LINEAR)},
+        "CAPTURE_GAINS": gains_word(NO_RAW_GAINS),
         "I2C_QUARTER": _I2C_QUARTER, "I2C_LIMIT": _I2C_LIMIT,
         **{f"RAW{k}_BASE": k * raw for k in range(stores.raw)},
         **{f"CORRECTED{k}_BASE": stores.raw * raw + k * corrected

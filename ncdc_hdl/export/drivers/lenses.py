@@ -10,14 +10,14 @@ from ncdc_spec.errors import InputError, reading
 from ncdc_spec.frames import check_format, output_format
 from ncdc_spec.hardware import check_lanes
 from ncdc_spec.registers.host_values import host_values, network_values, table_words
-from ncdc_spec.registers.register_map import COLOUR_SETTINGS
+from ncdc_spec.registers.register_map import COLOUR_SETTINGS, RAW_GAINS
 
 __all__ = ["Lens", "check_lens", "lens_name", "lenses_of"]
 
 # Registers that the host sets: addresses of frames, the bank of valid rows, early start,
 # colour.
 _HOST = ("SOURCE_BASE", "SOURCE_LIMIT", "TARGET_BASE", "TARGET_LIMIT", "VALID_BANK", "FOLLOW",
-         "CREST", *COLOUR_SETTINGS)
+         "CREST", *COLOUR_SETTINGS, *RAW_GAINS)
 
 
 @dataclass(frozen=True)

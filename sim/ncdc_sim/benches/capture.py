@@ -10,13 +10,14 @@ import numpy as np
 from cocotb.triggers import FallingEdge, ReadOnly, Timer
 
 from ncdc_hdl.camera.frame_writer import AREA, COUNTS
-from ncdc_hdl.camera.layouts import GRID, SETTINGS
+from ncdc_hdl.camera.layouts import BALANCE, GRID, NO_BALANCE, SETTINGS
 from ncdc_sim.benches.avalon import write_memory
 from ncdc_sim.benches.common import PERIOD, clocks, pack, settings, start, unpack
+from ncdc_spec.raw_gains import sample_gains
 from ncdc_spec.sensors.grid import gridded
 from ncdc_spec.sensors.level import LINEAR, levelled
 
-__all__ = ["faults", "frames", "half_full", "restarts", "switched_off", "too_small"]
+__all__ = ["balanced", "faults", "frames", "half_full", "restarts", "switched_off", "too_small"]
 
 FRAME, WINDOW, CORNER = (26, 14), (18, 9), (5, 3)       # width and height; left and top
 PITCH, BUFFER_BYTES, FIRST = 32, 512, 1024
@@ -142,12 +143,14 @@ class Writer:
             assert set(self.content[end:begin]) <= {0xEE}
 
 
-def expected(samples, black=0, curve=LINEAR):
+def expected(samples, black=0, curve=LINEAR, balance=NO_BALANCE):
     """The window of a frame, as bytes."""
     (x, y), (width, height) = CORNER, WINDOW
     if grid():
         samples = gridded(samples, *grid())
-    return levelled(samples[y:y + height, x:x + width], black, curve)
+    phase = balance["phase"] & 1, balance["phase"] >> 1
+    return levelled(samples[y:y + height, x:x + width], black, curve,
+                    sample_gains(WINDOW, phase, balance["gains"]))
 
 
 def limit():
@@ -162,7 +165,7 @@ async def begin(dut, black=0, curve=LINEAR, enable=1):
     stage = {} if not grid() else {
         "grid": pack(GRID, dict(zip(("weight", "binning"), grid())))}
     await start(dut, memory_rst=0, limit=limit(), enable=0, pins__frame_valid=0, pins__line_valid=0,
-                **stage, settings=pack(SETTINGS, {
+                **stage, balance=pack(BALANCE, NO_BALANCE), settings=pack(SETTINGS, {
                     "sent_width": width, "sent_height": height, "left": CORNER[0],
                     "top": CORNER[1], "width": WINDOW[0], "height": WINDOW[1],
                     "level": {"black": black, "curve": list(curve)}}))
@@ -196,6 +199,31 @@ async def frames(dut, black, curve):
         assert np.array_equal(writer.frame(number), expected(samples, black, curve))
         assert int(dut.rows.value) == WINDOW[1]
     assert not any(counts(dut).values())
+    writer.check_outside()
+
+
+@cocotb.test()
+async def balanced(dut):
+    """Gains that change in a frame are those of the next one, as a whole."""
+    sensor, writer = await begin(dut)
+    balance = NO_BALANCE
+    for number in range(4):
+        following = {"gains": [sensor.rng.getrandbits(10) for _ in range(3)],
+                     "phase": sensor.rng.getrandbits(2)}
+        change_at = sensor.rng.randrange(WINDOW[1])
+
+        async def change(y, row=change_at, following=following):
+            if y == row:
+                dut.balance.value = pack(BALANCE, following)
+
+        samples = await sensor.frame(at_row=change)
+        # Until the gains have crossed, and the frame is in memory.
+        await sensor.rest(max(12, 40_000 * PERIOD // settings()["camera_period_ps"]))
+        while len(writer.ended) <= number:
+            await sensor.tick()
+        assert writer.ended[number], (number, counts(dut))
+        assert np.array_equal(writer.frame(number), expected(samples, balance=balance)), number
+        balance = following
     writer.check_outside()
 
 
