@@ -37,6 +37,7 @@ from ncdc_spec.registers.host_values import host_values
 from ncdc_spec.registers.register_map import (
     ADDRESS_WORDS_BITS,
     COUNTERS,
+    RAW_GAINS,
     capabilities,
     network_registers,
     registers,
@@ -119,8 +120,8 @@ class Corrector(wiring.Component):
         self.window = WindowAddress(formats, lanes, needs)
         self.to_gate = Relay(request_layout(f_bits, lanes, needs))
         self.row_gate = RowGate(f_bits, lanes, needs)
-        self.fetch = (Cache(f_bits, data_width, self.hardware.cache, lanes) if hardware.cached
-                      else Multiport(f_bits, data_width))
+        self.fetch = (Cache(f_bits, data_width, self.hardware.cache, lanes, hardware.raw_balance)
+                      if hardware.cached else Multiport(f_bits, data_width))
         self.interpolator = Interpolator(f_bits, lanes, needs, hardware.colour)
         rows = registers(descriptor.hidden_neurons, formats, descriptor.nodes, hardware.colour,
                          hardware.raw_balance)
@@ -342,6 +343,10 @@ class Corrector(wiring.Component):
             m.d.comb += self.interpolator.crest.eq(active.CREST)
         if self.hardware.cached:
             m.d.comb += self.fetch.split.eq(active.CACHE_SPLIT)
+        if self.hardware.raw_balance:
+            m.d.comb += [self.fetch.balance.phase.eq(active.BAYER_PHASE),
+                         *(self.fetch.balance.gains[c].eq(active[name])
+                           for c, name in enumerate(RAW_GAINS))]
         if "writes" in self.backmap.signature.members:
             wiring.connect(m, self.registers.writes, self.backmap.writes)
         for row in network_registers(self.descriptor.hidden_neurons, self.descriptor.formats):

@@ -75,8 +75,8 @@ class Hardware:
     ------
     InputError
         If a value is none of the above, strips or a format are asked of a stream, the multiport
-        fetcher is to give more than one pixel per clock or gains of raw samples, or packets of Intel's suite are asked of
-        anything but a stream of Avalon's with one pixel per clock.
+        fetcher is to give more than one pixel per clock or gains of raw samples, or packets of
+        Intel's suite are asked of anything but a stream of Avalon's with one pixel per clock.
     """
     data_width: int = 32
     output: str = "memory"

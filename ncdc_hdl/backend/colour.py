@@ -8,9 +8,10 @@ from amaranth.lib.wiring import In, Out
 
 from ncdc_hdl.lib import pipeline
 from ncdc_hdl.lib.choice import chosen
+from ncdc_hdl.lib.gains import GAINED_LATENCY, gained
 from ncdc_hdl.lib.pipeline import delay
 from ncdc_spec.tone import LINEAR, NODE_BITS, NODE_POSITIONS
-from ncdc_spec.white_balance import GAIN_BITS, GAIN_F_BITS, UNITY
+from ncdc_spec.white_balance import GAIN_BITS, UNITY
 
 __all__ = ["COLOUR", "COLOURS", "Colour", "ColourSums", "SUMS"]
 
@@ -46,8 +47,8 @@ class Colour(wiring.Component):
     i, o : ``In(COLOURS)``, ``Out(COLOURS)``
     """
 
-    latency = 10
-    """Clocks from a pixel to its result: gain 4, piece 1, nodes 2, rise 2, sum 1."""
+    latency = 1 + GAINED_LATENCY + 6
+    """Clocks from a pixel to its result: a register, gain, piece 1, nodes 2, rise 2, sum 1."""
 
     def __init__(self):
         super().__init__({
@@ -63,16 +64,9 @@ class Colour(wiring.Component):
 
     def _gain(self, m, c):
         """The colour ``c`` after its gain, 4 clocks later."""
-        register = partial(pipeline.register, m)
-        # Cycle 1: the register before the multiplier.
-        value = register(f"value{c}", self.i[c])
-        # Cycles 2 and 3: multiply.
-        product = register(f"gain_p1_{c}",
-                           register(f"gain_p0_{c}", value * self.colour.gains[c]))
-        # Cycle 4: round and clamp. Adding a half carries exactly if the highest bit dropped is set.
-        whole = Signal(GAIN_BITS, name=f"gain_whole{c}")
-        m.d.comb += whole.eq(product[GAIN_F_BITS:] + product[GAIN_F_BITS - 1])
-        return register(f"balanced{c}", whole[:8] | whole[8:].any().replicate(8))
+        # Cycle 1: the register before the multiplier. Cycles 2 to 4: multiply, round and clamp.
+        value = pipeline.register(m, f"value{c}", self.i[c])
+        return gained(m, f"balanced{c}", value, self.colour.gains[c], 255)
 
     def _tone(self, m, c, value):
         """The colour ``c`` of ``value`` after the tone curve, 5 clocks later."""

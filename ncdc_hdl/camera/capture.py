@@ -9,16 +9,9 @@ from amaranth.lib.wiring import In, Out, connect, flipped
 from ncdc_hdl.avalon.burst_writer import BurstWriter, word_layout
 from ncdc_hdl.avalon.bus import WriteHost
 from ncdc_hdl.camera.frame_writer import AREA, COUNTS, FrameWriter
-from ncdc_hdl.camera.layouts import (
-    BALANCE,
-    ENTRY,
-    GRID,
-    NO_BALANCE,
-    PINS,
-    SETTINGS,
-    SIZE_BITS,
-)
+from ncdc_hdl.camera.layouts import ENTRY, GRID, PINS, SETTINGS, SIZE_BITS
 from ncdc_hdl.camera.sensor_port import SensorPort
+from ncdc_hdl.lib.gains import BALANCE, NO_BALANCE
 from ncdc_hdl.lib.relay import Relay
 from ncdc_hdl.lib.word_crossing import WordCrossing
 

@@ -6,12 +6,10 @@ from amaranth.lib.wiring import In, Out
 from ncdc_hdl.avalon.bus import ADDRESS_BITS
 from ncdc_hdl.camera.level import LEVEL
 from ncdc_spec.geometry import MAX_SIZE
-from ncdc_spec.raw_gains import NO_RAW_GAINS
 from ncdc_spec.sensors.level import SAMPLE_BITS
-from ncdc_spec.white_balance import GAIN_BITS
 
-__all__ = ["BALANCE", "ENTRY", "GRID", "Kind", "NO_BALANCE", "PINS", "REPORT", "ROWS", "RUN",
-           "RUN_BUFFERS", "SAMPLES", "SETTINGS", "SIZE_BITS"]
+__all__ = ["ENTRY", "GRID", "Kind", "PINS", "REPORT", "ROWS", "RUN", "RUN_BUFFERS", "SAMPLES",
+           "SETTINGS", "SIZE_BITS"]
 
 SIZE_BITS = MAX_SIZE.bit_length()
 SAMPLES = 4                             # samples of an entry
@@ -26,13 +24,6 @@ the clock after the last sample of a row, in which ``frame`` may be low already.
 
 GRID = data.StructLayout({"weight": 2, "binning": 1})
 """Settings for an even grid of samples: see ``ncdc_spec.sensors.grid``."""
-
-BALANCE = data.StructLayout({"gains": data.ArrayLayout(GAIN_BITS, 3), "phase": 3})
-"""Gains of red, green and blue samples in 256ths, and which of the window's samples are red: as
-the register ``BAYER_PHASE`` has it. A grey sensor's samples have the gain of green."""
-
-NO_BALANCE = {"gains": list(NO_RAW_GAINS), "phase": 0}
-"""A :data:`BALANCE` that changes no sample."""
 
 SETTINGS = data.StructLayout({
     "sent_width": SIZE_BITS, "sent_height": SIZE_BITS,      # what the sensor sends, exactly

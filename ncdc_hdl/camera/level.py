@@ -4,9 +4,10 @@ from amaranth import *
 from amaranth.lib import data, wiring
 from amaranth.lib.wiring import In, Out
 
+from ncdc_hdl.lib.gains import GAINED_LATENCY, gained
 from ncdc_hdl.lib.pipeline import delay, register
 from ncdc_spec.sensors.level import CURVE_BITS, LINEAR, PIECES, SAMPLE_BITS
-from ncdc_spec.white_balance import GAIN_BITS, GAIN_F_BITS, UNITY
+from ncdc_spec.white_balance import GAIN_BITS, UNITY
 
 __all__ = ["LEVEL", "Level"]
 
@@ -33,11 +34,9 @@ class Level(wiring.Component):
     o : ``Out(8)``
     """
 
-    gain_latency = 4
-    """Clocks from a sample to its value after black level and gain: above black, product twice,
-    rounded and limited."""
-    latency = gain_latency + 5
-    """That, and nodes of the piece, their slope, rise twice, the byte."""
+    latency = 1 + GAINED_LATENCY + 5
+    """Clocks from a sample to its byte: above black, the gain; nodes of the piece, their slope,
+    rise twice, the byte."""
 
     def __init__(self):
         super().__init__({"level": In(LEVEL, init={"curve": LINEAR}), "i": In(SAMPLE_BITS),
@@ -66,9 +65,5 @@ class Level(wiring.Component):
         above = self.i - self.level.black
         above = register(m, "above_black", Mux(above[-1], 0, above[:SAMPLE_BITS]))
         gain = register(m, "gain_of_sample", self.gain)
-        product = register(m, "gained_p1", register(m, "gained_p0", above * gain))
-        # Adding a half carries exactly if the highest bit dropped is set.
-        whole = Signal(SAMPLE_BITS + GAIN_BITS - GAIN_F_BITS)
-        m.d.comb += whole.eq(product[GAIN_F_BITS:] + product[GAIN_F_BITS - 1])
         full = register(m, "full", ~self.level.black)           # 4095 - black
-        return register(m, "gained", Mux(whole > full, full, whole[:SAMPLE_BITS]))
+        return gained(m, "gained", above, gain, full)

@@ -6,10 +6,8 @@ from amaranth.lib.wiring import In, Out
 
 from ncdc_hdl.camera.grid import Grid
 from ncdc_hdl.camera.layouts import (
-    BALANCE,
     ENTRY,
     GRID,
-    NO_BALANCE,
     PINS,
     REPORT,
     SAMPLES,
@@ -18,6 +16,7 @@ from ncdc_hdl.camera.layouts import (
     Kind,
 )
 from ncdc_hdl.camera.level import Level
+from ncdc_hdl.lib.gains import BALANCE, NO_BALANCE, gain_of
 from ncdc_hdl.lib.pipeline import delay, register
 
 __all__ = ["SensorPort"]
@@ -152,13 +151,11 @@ class SensorPort(wiring.Component):
         # Loaded between two frames. A frame's last sample still reads it a clock later.
         with m.If(~frame):
             m.d.sync += balance.eq(self.balance)
-        gains, phase = balance.gains, balance.phase
         red_column, red_row = (
-            register(m, f"red_{name}", ~(position[0] ^ corner[0] ^ phase[k]))
+            register(m, f"red_{name}", ~(position[0] ^ corner[0] ^ balance.phase[k]))
             for k, (name, position, corner) in enumerate((("column", x, settings.left),
                                                           ("row", y, settings.top))))
-        return Mux((red_column ^ red_row) | phase[2], gains[1],
-                   Mux(red_column, gains[0], gains[2]))
+        return gain_of(balance, red_column, red_row)
 
     def _window(self, m, x, y, line, ended, even):
         """(The sample is in the window; a row of the window ends with it or after

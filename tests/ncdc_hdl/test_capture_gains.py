@@ -8,7 +8,7 @@ from amaranth import *
 from amaranth.lib.cdc import ResetSynchronizer
 from amaranth.sim import Simulator
 
-from ncdc_hdl.camera.layouts import BALANCE
+from ncdc_hdl.lib.gains import BALANCE
 from ncdc_hdl.lib.word_crossing import WordCrossing
 from ncdc_spec.raw_gains import sample_gains
 from ncdc_spec.registers.register_map import BAYER_MONO

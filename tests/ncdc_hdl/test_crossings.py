@@ -35,10 +35,9 @@ SYNCHRONISERS = (
 )
 # At once, not with an edge: a reset, whose end goes through both flops.
 RESETS = {("rst", "capture.reset.stage0"), ("rst", "capture.reset.stage1")}
-# An entry of the queue is read when the counter that has passed it has crossed.
-MEMORIES = {(f"{QUEUE}.storage", f"{QUEUE}.r_data")}
-# Gains, which are constant while that says that they are to be taken.
-WORDS = {("capture.balance.offered", "capture.balance.o")}
+# An entry of the queue is read when the counter that has passed it has crossed, gains when the bit
+# has that says that they are to be taken.
+WORDS = {(f"{QUEUE}.storage", f"{QUEUE}.r_data"), ("capture.balance.offered", "capture.balance.o")}
 # Amaranth's queue has a level for its writer, with logic before a synchroniser. We do not use it.
 UNUSED = "capture.queue.consume_buffered_cdc"
 # Constant while the capture is active: registers that are locked then.
@@ -65,8 +64,8 @@ def registers_in(system, bits):
 
 
 def unknown(crossings, prefix):
-    """Those whose sink is no synchroniser, reset or memory of the tables above."""
-    known = {sink for _, sink, *_ in SYNCHRONISERS} | {sink for _, sink in RESETS | MEMORIES | WORDS}
+    """Those whose sink is no synchroniser, reset or word of the tables above."""
+    known = {sink for _, sink, *_ in SYNCHRONISERS} | {sink for _, sink in RESETS | WORDS}
     known |= {f"{UNUSED}.stage0"}
     return {c for c in crossings if prefix + c.sink not in known}
 
@@ -75,7 +74,7 @@ def unknown(crossings, prefix):
 def test_every_crossing_is_a_known_one(system, clocks):
     crossings = clocks.crossings()
     pairs = {(c.source, c.sink) for c in crossings}
-    assert {(source, sink) for source, sink, *_ in SYNCHRONISERS} | RESETS | MEMORIES | WORDS <= pairs
+    assert {(source, sink) for source, sink, *_ in SYNCHRONISERS} | RESETS | WORDS <= pairs
     settings = unknown(crossings, "")
     assert {c.source for c in settings} == {"page.values"}
     assert all(c.sink.startswith("capture.port.") for c in settings)

@@ -25,7 +25,7 @@ def test_equals_model(black, curve):
     assert np.array_equal(np.ravel(found), levelled(samples, black, curve))
 
 
-@pytest.mark.parametrize("black,curve", CURVES)
+@pytest.mark.parametrize("black,curve", CURVES[1:3])
 def test_gain_of_each_sample(black, curve):
     rng = np.random.default_rng(3)
     gains = np.array([0, 1, 128, UNITY - 1, UNITY, UNITY + 1, 2 * UNITY, LARGEST_GAIN])

@@ -32,22 +32,23 @@ def _edge(first, size, needs):
 
 
 def check_windows(dut, raw, positions, rng, pauses, *, margin=64, needs=FAST, width=None,
-                  **controls):
+                  held=None, **controls):
     """Fetch windows of ``raw`` (height, pitch) with ``dut`` and compare every field of each.
 
     ``positions``: x0, y0, blank of the windows, in order. ``margin``: bytes of memory after the
     frame. ``needs``: the interpolation; of one whose windows may leave the frame, ``width`` are its
-    columns that count. ``controls``: further inputs of the fetcher, by name. Returns the number of
-    reads that it counts and the commands (address, words) of each of its ports.
+    columns that count. ``held``: the samples that the fetcher makes of ``raw``, by default the
+    same. ``controls``: further inputs of the fetcher, by name. Returns the number of reads that it
+    counts and the commands (address, words) of each of its ports.
     """
     x0, y0, blank = positions
     count, pitch = len(x0), raw.shape[1]
     content = np.concatenate([np.zeros(BASE, np.uint8), raw.ravel(), np.zeros(margin, np.uint8)])
     items = [{"x0": int(x0[k]), "y0": int(y0[k]), "fx": k, "fy": 1023 - k, "blank": int(blank[k]),
               "first": k == 0, "last": k == count - 1} for k in range(count)]
-    framed = raw
+    framed = raw if held is None else held
     if needs.margin:
-        framed = np.pad(raw[:, :width], needs.margin, mode="reflect")
+        framed = np.pad(framed[:, :width], needs.margin, mode="reflect")
         for item in items:
             item["edge_x"] = _edge(item["x0"], width, needs)
             item["edge_y"] = _edge(item["y0"], raw.shape[0], needs)

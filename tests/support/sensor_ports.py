@@ -5,8 +5,9 @@ from amaranth import *
 from amaranth.sim import Simulator
 
 from ncdc_hdl.camera.grid import Grid
-from ncdc_hdl.camera.layouts import NO_BALANCE, REPORT, Kind
+from ncdc_hdl.camera.layouts import REPORT, Kind
 from ncdc_hdl.camera.sensor_port import SensorPort
+from ncdc_hdl.lib.gains import NO_BALANCE
 
 __all__ = ["CLEAN", "Port", "pins_of", "random_frames"]
 

@@ -14,6 +14,7 @@ from ncdc_hdl.backend.cache.tags import Tags
 from ncdc_hdl.backend.cache.tiles import Tiles
 from ncdc_hdl.backend.layouts import request_layout, window_layout
 from ncdc_hdl.frontend.layouts import SIZE
+from ncdc_hdl.lib.gains import BALANCE, NO_BALANCE
 from ncdc_spec.cache_options import CacheOptions
 
 __all__ = ["Cache"]
@@ -43,11 +44,15 @@ class Cache(wiring.Component):
     lanes : int
         Windows of a group, 1, 2 or 4. A group is looked up in one clock if its samples fit a box,
         see ``Boxes``, and else in two or more.
+    raw_balance : bool
+        Whether samples have gains before they are stored.
 
     Members
     -------
     base, limit, pitch, height : ``In``
         Area of the raw frame, see :class:`Fills`; constant during a frame.
+    balance : ``In(BALANCE)``
+        Gains of the raw samples, constant during a frame; only with ``raw_balance``.
     split : ``In``
         log2 Kx of the index rule, constant during a frame.
     memory_rst : ``In(1)``
@@ -67,19 +72,21 @@ class Cache(wiring.Component):
 
     ports = 1
 
-    def __init__(self, f_bits, data_width, options=CacheOptions(), lanes=1):
+    def __init__(self, f_bits, data_width, options=CacheOptions(), lanes=1, raw_balance=False):
         self.f_bits, self.data_width, self.options, self.lanes = f_bits, data_width, options, lanes
         needs = options.interpolation
         width = word_bytes(data_width, lanes, needs)
         self.boxes = Boxes(f_bits, lanes, needs)
         self.locate = Locate(f_bits, options, lanes)
         self.tags = Tags(f_bits, options, lanes)
-        self.fills = Fills(options, data_width, width)
+        self.raw_balance = raw_balance
+        self.fills = Fills(options, data_width, width, raw_balance)
         self.tiles = Tiles(options, width)
         self.retire = Retire(f_bits, options, width, lanes)
         super().__init__({
             "base": In(ADDRESS_BITS), "limit": In(ADDRESS_BITS), "pitch": In(SIZE),
             "height": In(SIZE), "memory_rst": In(1), "outside": Out(1), "empty": Out(1),
+            **({"balance": In(BALANCE, init=NO_BALANCE)} if raw_balance else {}),
             "split": In(range(set_bits(options) + 1)),
             "i": In(stream.Signature(request_layout(f_bits, lanes, needs))),
             "o": Out(stream.Signature(window_layout(f_bits, lanes, needs))),
@@ -103,6 +110,8 @@ class Cache(wiring.Component):
         wiring.connect(m, locate.o, tags.i)
         wiring.connect(m, retire.o, wiring.flipped(self.o))
         wiring.connect(m, fills.bus, wiring.flipped(self.bus0))
+        if self.raw_balance:
+            m.d.comb += fills.balance.eq(self.balance)
         m.d.comb += [
             locate.split.eq(self.split), tiles.split.eq(self.split),
             fills.base.eq(self.base), fills.pitch.eq(self.pitch),

@@ -9,10 +9,13 @@ from ncdc_hdl.avalon.bus import ADDRESS_BITS, ReadHost
 from ncdc_hdl.avalon.read_commands import ReadCommands
 from ncdc_hdl.avalon.read_fence import ReadFence
 from ncdc_hdl.backend.cache.layouts import slot_bits, tile_layout
+from ncdc_hdl.backend.cache.raw_balance import RawBalance
 from ncdc_hdl.backend.cache.requests import TileRequests
 from ncdc_hdl.backend.cache.tiles import fill_layout
 from ncdc_hdl.frontend.layouts import SIZE
+from ncdc_hdl.lib.gains import BALANCE, NO_BALANCE
 from ncdc_hdl.lib.memory import Fifo
+from ncdc_hdl.lib.pipeline import delay
 from ncdc_spec.cache_options import TILE_WIDTH
 
 __all__ = ["Fills"]
@@ -25,8 +28,8 @@ class Fills(wiring.Component):
     written. So both queues always have space, and data from the memory always has a slot.
 
     Timing: the first command of a tile reaches the bus at least ``latency`` clocks after its
-    claim. A word is written 2 clocks after its ``readdatavalid``, in the clock of ``filled`` if
-    it is the last one.
+    claim. A word is written ``filled_latency`` clocks after its ``readdatavalid``, in the clock of
+    ``filled`` if it is the last one.
 
     Parameters
     ----------
@@ -35,12 +38,16 @@ class Fills(wiring.Component):
         Bits of a memory word.
     word_bytes : int
         Bytes of a word of the tile memory.
+    raw_balance : bool
+        Whether samples have gains on their way into the tile memory.
 
     Members
     -------
     base, limit, pitch, height : ``In``
         Byte address of the raw frame and of the end of its area, bytes from row to row, rows;
         constant during a frame. Nothing outside the area is read, see :class:`ReadFence`.
+    balance : ``In(BALANCE)``
+        Constant during a frame; only with ``raw_balance``.
     memory_rst : ``In(1)``
         As in :class:`ncdc_hdl.avalon.read_commands.ReadCommands`.
     claim, tile : ``In(1)``, ``In(tile_layout(options))``
@@ -59,21 +66,31 @@ class Fills(wiring.Component):
 
     latency = 1 + Fifo.latency + TileRequests.latency + ReadFence.latency + ReadCommands.latency
     """Clocks from a claim to the tile's first command on the bus, a register before the rest."""
-    filled_latency = 2
-    """Clocks from a tile's last ``readdatavalid`` to ``filled``: the word's register, its own."""
-    credit_latency = 2
-    """Clocks from a tile's last ``readdatavalid`` to ``credit``: the word's register, its own."""
 
-    def __init__(self, options, data_width, word_bytes):
+    def __init__(self, options, data_width, word_bytes, raw_balance=False):
         self.options, self.data_width, self.word_bytes = options, data_width, word_bytes
+        self.balanced = RawBalance(data_width) if raw_balance else None
         self.burst = 8 * TILE_WIDTH // data_width
         super().__init__({
             "base": In(ADDRESS_BITS), "limit": In(ADDRESS_BITS), "pitch": In(SIZE),
-            "height": In(SIZE), "memory_rst": In(1), "outside": Out(1), "empty": Out(1),
+            "height": In(SIZE),
+            **({"balance": In(BALANCE, init=NO_BALANCE)} if raw_balance else {}),
+            "memory_rst": In(1), "outside": Out(1), "empty": Out(1),
             "claim": In(1), "tile": In(tile_layout(options)), "credit": Out(1, init=1),
             "fill": Out(fill_layout(options, word_bytes)), "filled": Out(1),
             "bus": Out(ReadHost(data_width, self.burst)),
         })
+
+    @property
+    def filled_latency(self):
+        """Clocks from a tile's last ``readdatavalid`` to ``filled``: gains if there are any, the
+        word's register, its own."""
+        return (self.balanced.latency if self.balanced else 0) + 2
+
+    @property
+    def credit_latency(self):
+        """Clocks from a tile's last ``readdatavalid`` to ``credit``: the same."""
+        return self.filled_latency
 
     def elaborate(self, platform):
         m = Module()
@@ -124,16 +141,16 @@ class Fills(wiring.Component):
 
         A method of its own also so that a proof can take slots out of their queue too early.
         """
-        came = Signal()                                     # a word came in the clock before
-        arrived = Signal(self.data_width, reset_less=True)  # that word
-        m.d.sync += [came.eq(commands.valid), arrived.eq(commands.word)]
         beats = self.options.tile_height * self.burst
         coming = Signal(range(beats))   # the number of the next word among those of its tile
-        beat = Signal(range(beats))     # the number of the word that came
         with m.If(commands.valid):
             m.d.sync += coming.eq(coming + 1)
-        m.d.sync += [beat.eq(coming), complete.eq(commands.valid & (coming == beats - 1)),
-                     self.filled.eq(complete)]
+        valid, number, samples = self._samples(m, commands, coming)
+        came = Signal()                                     # a word came in the clock before
+        arrived = Signal(self.data_width, reset_less=True)  # that word
+        beat = Signal(range(beats))                         # its number
+        m.d.sync += [came.eq(valid), arrived.eq(samples), beat.eq(number),
+                     complete.eq(valid & (number == beats - 1)), self.filled.eq(complete)]
         m.d.comb += slots.r_en.eq(complete)
 
         fill, width = self.fill, 8 * self.word_bytes
@@ -158,3 +175,15 @@ class Fills(wiring.Component):
             bank = 1 << word[0] if len(word) else 0b11
             m.d.sync += [fill.enable.eq(Mux(came & last, bank, 0)), fill.word.eq(word[1:]),
                          fill.data[0].eq(gathered), fill.data[1].eq(gathered)]
+
+    def _samples(self, m, commands, coming):
+        """(Whether a word comes, its number, its samples), after the gains if there are any."""
+        valid, balanced = commands.valid, self.balanced
+        if not balanced:
+            return valid, coming, commands.word
+        m.submodules.balanced = balanced
+        # Tiles have an even number of rows: the word's row in its tile is odd if that in the frame.
+        m.d.comb += [balanced.balance.eq(self.balance), balanced.i.eq(commands.word),
+                     balanced.odd_row.eq(coming[ceil_log2(self.burst)])]
+        return (delay(m, valid, balanced.latency, "valid", reset_less=False),
+                delay(m, coming, balanced.latency, "coming"), balanced.o)

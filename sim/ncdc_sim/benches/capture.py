@@ -10,7 +10,8 @@ import numpy as np
 from cocotb.triggers import FallingEdge, ReadOnly, Timer
 
 from ncdc_hdl.camera.frame_writer import AREA, COUNTS
-from ncdc_hdl.camera.layouts import BALANCE, GRID, NO_BALANCE, SETTINGS
+from ncdc_hdl.camera.layouts import GRID, SETTINGS
+from ncdc_hdl.lib.gains import BALANCE, NO_BALANCE
 from ncdc_sim.benches.avalon import write_memory
 from ncdc_sim.benches.common import PERIOD, clocks, pack, settings, start, unpack
 from ncdc_spec.raw_gains import sample_gains
@@ -210,7 +211,8 @@ async def balanced(dut):
     for number in range(4):
         following = {"gains": [sensor.rng.getrandbits(10) for _ in range(3)],
                      "phase": sensor.rng.getrandbits(2)}
-        change_at = sensor.rng.randrange(WINDOW[1])
+        # When the frame has begun after the grid stage too.
+        change_at = sensor.rng.randrange(2, WINDOW[1])
 
         async def change(y, row=change_at, following=following):
             if y == row:
