@@ -1,6 +1,7 @@
 """``ncdc correct``: corrects an image with the golden model."""
 
 import sys
+from functools import cache
 
 from ncdc.cli.colour import add_colour, colour_choice, colour_line, colour_report
 from ncdc.cli.common import add_json, add_samples, raw_frame, write_report
@@ -10,6 +11,7 @@ from ncdc_model.golden.corrector import correct
 from ncdc_model.images import check_suffix, write_image
 from ncdc_spec.descriptor import Descriptor
 from ncdc_spec.interpolation import CRESTS
+from ncdc_spec.raw_gains import NO_RAW_GAINS
 
 __all__ = ["EXAMPLE", "add_arguments", "run"]
 
@@ -33,9 +35,14 @@ def run(args) -> None:
     choice = colour_choice(args)
     descriptor = Descriptor.load(args.descriptor)
     raw, note = raw_frame(args.image, descriptor.geometry, args.raw, args.bits)
-    corrected = correct(descriptor, raw, percent(Progress("correcting")),
-                        crest=CRESTS[args.crest])
-    colour = choice(corrected) if choice else None
+
+    @cache
+    def corrected_with(raw_gains):
+        return correct(descriptor, raw, percent(Progress("correcting")),
+                       crest=CRESTS[args.crest], raw_gains=raw_gains)
+
+    colour = choice(corrected_with) if choice else None
+    corrected = corrected_with(colour.raw_gains if colour else NO_RAW_GAINS)
     write_image(args.output, coloured(corrected, colour) if colour else corrected.picture)
     if note:
         print(note, file=sys.stderr)

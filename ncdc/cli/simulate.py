@@ -71,7 +71,8 @@ def run(args) -> int | None:
     hardware, _ = planned(replace(hardware, colour=hardware.colour or has_gains(args)), fixed,
                           descriptor)
     line = camera_line(args.line_clocks, descriptor.geometry) if args.follow else None
-    colour = choice(correct(descriptor, raw, crest=CRESTS[args.crest])) if choice else Colour()
+    colour = choice(lambda raw_gains: correct(
+        descriptor, raw, crest=CRESTS[args.crest], raw_gains=raw_gains)) if choice else Colour()
     simulation = simulate_correction(
         descriptor, raw, hardware, follow_line=line, colour=colour, progress=Progress("simulating"),
         memory=args.memory, simulator=args.simulator, seed=args.seed, waves=waves)

@@ -16,7 +16,8 @@ from ncdc_model.images import read_image, write_image
 from ncdc_spec.colour import Colour
 from ncdc_spec.descriptor import Descriptor
 from ncdc_spec.interpolation import CRESTS, DIRECTIONAL
-from ncdc_spec.white_balance import grey_world
+from ncdc_spec.raw_gains import NO_RAW_GAINS
+from ncdc_spec.white_balance import UNITY, grey_world
 
 D = barrel_descriptor((40, 24), (50, 34), hidden_neurons=2, fill=(250, 20, 3))
 
@@ -38,8 +39,8 @@ def run(folder, command, output, *options):
                  *options])
 
 
-def plain(folder):
-    return correct(D, read_image(folder / "raw.png"))
+def plain(folder, raw_gains=NO_RAW_GAINS):
+    return correct(D, read_image(folder / "raw.png"), raw_gains=raw_gains)
 
 
 @pytest.mark.parametrize("options,expected", [
@@ -53,6 +54,35 @@ def test_correct_follows_the_options(folder, tmp_path, options, expected):
     frame = plain(folder)
     np.testing.assert_array_equal(read_image(tmp_path / "out.png"),
                                   coloured(frame, expected(frame)))
+
+
+@pytest.mark.parametrize("text", ["1.8,1,1.4", "grey-world"])
+@pytest.mark.parametrize("after", [[], ["--white-balance", "grey-world", "--tone", "sRGB"]])
+def test_raw_frames_are_balanced_before_interpolation(folder, tmp_path, text, after):
+    raw_gains = (grey_world(ColourSums.of(plain(folder)).colours) if text == "grey-world"
+                 else gains_of(text))
+    frame = plain(folder, raw_gains)
+    colour = Colour(raw_gains=raw_gains)
+    if after:
+        colour = Colour(grey_world(ColourSums.of(frame).colours), tone_named("sRGB"))
+    assert run(folder, "correct", tmp_path / "out.png", "--raw-balance", text, *after, "--json",
+               str(tmp_path / "out.json")) == 0
+    np.testing.assert_array_equal(read_image(tmp_path / "out.png"), coloured(frame, colour))
+    report = json.loads((tmp_path / "out.json").read_text())
+    assert report["raw_gains"] == [gain / UNITY for gain in raw_gains]
+    assert raw_gains != NO_RAW_GAINS and not np.array_equal(frame.picture, plain(folder).picture)
+
+
+@pytest.mark.longer
+def test_the_verilog_balances_raw_frames(folder, tmp_path, capsys):
+    for command in ("correct", "simulate"):
+        assert run(folder, command, tmp_path / f"{command}.png", "--raw-balance", "grey-world",
+                   "--json", str(tmp_path / f"{command}.json")) == 0
+    np.testing.assert_array_equal(read_image(tmp_path / "simulate.png"),
+                                  read_image(tmp_path / "correct.png"))
+    report = json.loads((tmp_path / "simulate.json").read_text())
+    assert report["raw_balance"] and not report["colour"] and report["pixels_different"] == 0
+    assert capsys.readouterr().out.count("raw gains ") == 2
 
 
 @pytest.mark.longer
@@ -107,6 +137,10 @@ def test_a_gain_at_its_limit_is_reported(folder, tmp_path, capsys):
     (["--white-balance", "1,1,1,1,1"],
      "the white balance is '1,1,1,1,1', three gains R,G,B or grey-world is needed"),
     (["--white-balance", ""], "the white balance is '', three gains R,G,B or grey-world is needed"),
+    (["--raw-balance", "1,4,1"],
+     "the gain of green is 4, the limits are 0.00390625 and 3.99609375"),
+    (["--raw-balance", "grey"],
+     "the raw balance is 'grey', three gains R,G,B or grey-world is needed"),
     (["--tone", "gamma:9"], "the gamma of the tone is 9, the limits are 1 and 3"),
     (["--tone", "film"], "the tone is 'film', one of linear, sRGB, gamma:G is needed")])
 def test_careless_options_are_rejected(folder, tmp_path, command, options, sentence, capsys):
@@ -117,10 +151,17 @@ def test_careless_options_are_rejected(folder, tmp_path, command, options, sente
     assert output.read_text() == "earlier"
 
 
+def test_raw_frames_of_the_multiport_fetcher_are_not_balanced(folder, tmp_path, capsys):
+    assert run(folder, "simulate", tmp_path / "out.png", "--fetch", "multiport", "--raw-balance",
+               "2,1,1") == 2
+    assert capsys.readouterr().err == ("ncdc simulate: fetch is multiport, gains of raw samples "
+                                       "need cache\n")
+
+
 @pytest.mark.longer
 def test_generate_puts_it_in_only_if_asked(folder, tmp_path):
     texts = {}
-    for name, options in (("without", []), ("with", ["--colour"])):
+    for name, options in (("without", []), ("with", ["--colour", "--raw-balance"])):
         assert main(["generate", str(folder / "net.toml"), "-o", str(tmp_path / name),
                      *options]) == 0
         texts[name] = {file: (tmp_path / name / file).read_text()
@@ -128,6 +169,9 @@ def test_generate_puts_it_in_only_if_asked(folder, tmp_path):
                                     "ncdc_lenses.c")}
     assert texts["without"] != texts["with"]
     assert texts["without"]["ncdc_lenses.c"] == texts["with"]["ncdc_lenses.c"]
-    for word, file in (("--colour", "ncdc.v"), ("reg [9:0] gain_red = 10'h100;", "ncdc.v"),
+    for word, file in (("--colour", "ncdc.v"), ("--raw-balance", "ncdc.v"),
+                       ("RAW_GAIN_BLUE", "ncdc_registers.h"),
+                       ("reg [9:0] raw_gain_red = 10'h100;", "ncdc.v"),
+                       ("reg [9:0] gain_red = 10'h100;", "ncdc.v"),
                        ("NCDC_TONE_SRGB", "ncdc_registers.h"), ("TONES", "ncdc_registers.py")):
         assert word in texts["with"][file] and word not in texts["without"][file], word

@@ -61,8 +61,10 @@ def coloured(corrected, colour):
                     out[corrected.picture, np.arange(3)])
 
 
-def gains_of(text):
+def gains_of(text, what="white balance"):
     """Gains in 256ths of the three decimal numbers in ``text``, "R,G,B", each rounded to nearest.
+
+    ``what`` names them in messages.
 
     Raises
     ------
@@ -71,7 +73,7 @@ def gains_of(text):
     """
     parts = text.split(",")
     if len(parts) != len(COLOURS):
-        raise InputError(f"the white balance is {text!r}, three gains R,G,B or {GREY_WORLD} is "
+        raise InputError(f"the {what} is {text!r}, three gains R,G,B or {GREY_WORLD} is "
                          f"needed")
     return tuple(_gain(name, part) for name, part in zip(COLOURS, parts))
 

@@ -10,6 +10,7 @@ from ncdc_model.golden.picture import bilinear, corner_colours, fetches, raw_win
 from ncdc_spec.errors import InputError
 from ncdc_spec.geometry import scan_order
 from ncdc_spec.interpolation import check_crest
+from ncdc_spec.raw_gains import NO_RAW_GAINS, balanced_raw
 
 __all__ = ["Corrected", "check_raw", "correct", "window_bands"]
 
@@ -36,12 +37,14 @@ def check_raw(raw, geometry):
                          "for {}x{}".format(*geometry.distorted))
 
 
-def correct(descriptor, raw, progress=lambda done, total: None, strip=0, crest=0):
+def correct(descriptor, raw, progress=lambda done, total: None, strip=0, crest=0,
+            raw_gains=NO_RAW_GAINS):
     """Correct the ``raw`` Bayer frame (distorted height, width) uint8; returns :class:`Corrected`.
 
     ``progress(done, total)`` is called with the corrected rows done. ``strip``: as in
     :func:`ncdc_spec.geometry.scan_order`; only the number of fetches depends on it. ``crest``: its
-    strength, 0 to 2, see :mod:`ncdc_model.golden.directional`.
+    strength, 0 to 2, see :mod:`ncdc_model.golden.directional`. ``raw_gains``: gains of the raw
+    frame's samples before interpolation, see :func:`ncdc_spec.raw_gains.balanced_raw`.
 
     Raises
     ------
@@ -53,7 +56,7 @@ def correct(descriptor, raw, progress=lambda done, total: None, strip=0, crest=0
     check_raw(raw, geometry)
     check_crest(crest, geometry.interpolation)
     width, height = geometry.corrected
-    windows = raw_windows(raw, geometry.interpolation)
+    windows = raw_windows(balanced_raw(raw, geometry, raw_gains), geometry.interpolation)
     picture = np.empty((height, width, 3), np.uint8)
     valid = np.empty((height, width), bool)
     origins = np.empty((2, height, width), np.int64)

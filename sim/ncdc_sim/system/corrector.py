@@ -142,7 +142,8 @@ def _follow(result):
 def _rows(descriptor, hardware):
     """The registers by name."""
     return {r.name: r for r in registers(descriptor.hidden_neurons, descriptor.formats,
-                                         colour=hardware.colour)}
+                                         colour=hardware.colour,
+                                         raw_balance=hardware.raw_balance)}
 
 
 def _colour_counters(hardware):
@@ -172,7 +173,7 @@ def simulate_correction(descriptor, raw, hardware=Hardware(), *, verilog=None, f
         Begin with the camera's frame, which comes as the frame is corrected, a byte per clock:
         clocks of a row of that camera.
     colour : Colour
-        Gains and tone curve, of hardware that has them.
+        Gains before and after interpolation and tone curve, of hardware that has them.
     progress :
         As of :func:`ncdc_sim.system.frame.simulate_frame`.
     memory, run :
@@ -201,14 +202,15 @@ def simulate_correction(descriptor, raw, hardware=Hardware(), *, verilog=None, f
         output_bytes=3 * width * height if hardware.stream else frame_bytes(geometry, form),
         camera=camera, progress=progress, memory=memory, **run)
     stored = np.frombuffer(result.output, np.uint8).reshape(height, width, -1)
-    golden = correct(descriptor, raw, strip=hardware.strip, crest=colour.crest)
-    balanced = coloured(golden, colour)
-    picture, expected = stored, balanced
+    golden = correct(descriptor, raw, strip=hardware.strip, crest=colour.crest,
+                     raw_gains=colour.raw_gains)
+    finished = coloured(golden, colour)
+    picture, expected = stored, finished
     if not hardware.stream:
-        picture, expected = stored_picture(stored, form), stored_bytes(balanced, form)
+        picture, expected = stored_picture(stored, form), stored_bytes(finished, form)
     rows = _rows(descriptor, hardware)
     return Simulation(
-        picture=picture, golden=balanced, stored=stored, expected=expected, blank=golden.blank,
+        picture=picture, golden=finished, stored=stored, expected=expected, blank=golden.blank,
         counters={name: result.registers[rows[name].address] for name in COUNTERS},
         fetches_expected=(tiles_fetched(descriptor, hardware) if hardware.cached
                           else golden.fetches),
