@@ -80,7 +80,7 @@ def test_a_grey_sensor_has_equal_sums():
 
 
 @pytest.mark.parametrize("right,wrong,pixels,sums", [
-    ("gain_p1_1[7]", "gain_p1_1[6]", True, False),                      # rounds elsewhere
+    ("balanced1_p1[7]", "balanced1_p1[6]", True, False),                      # rounds elsewhere
     pytest.param("issue & ~i__payload_blank;", "issue;", False, True,   # blank pixels count
                  marks=regress)])
 def test_a_planted_error_is_found(right, wrong, pixels, sums):

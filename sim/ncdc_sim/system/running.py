@@ -10,9 +10,11 @@ from ncdc_hdl.export.verilog.system_cover import system_verilog
 from ncdc_sim.sensor.reference import raw_frames
 from ncdc_sim.system.host import SystemHost
 from ncdc_sim.system.live import Clocks, LiveSystem
+from ncdc_spec.raw_gains import NO_RAW_GAINS, sample_gains
 from ncdc_spec.registers.system_values import memory_bytes
 from ncdc_spec.sensors.framing import Crop
 from ncdc_spec.sensors.level import levelled
+from ncdc_spec.white_balance import gains_word
 
 __all__ = ["Running", "running"]
 
@@ -27,7 +29,7 @@ class Running:
     ----------
     host : SystemHost
     raw : ndarray of uint8, shape (frames, height, width)
-        The raw frames that the sensor sends, again and again.
+        The raw frames that capture makes of what the sensor sends, again and again.
     frame_clocks : int
         Clocks of the system from frame to frame.
     """
@@ -43,7 +45,7 @@ class Running:
 
 @contextmanager
 def running(system, setup, light, *, corner=(0, 0), clocks=None, verilog=None, registers=None,
-            **run):
+            gains=NO_RAW_GAINS, **run):
     """A :class:`Running` camera, as a context.
 
     The sensor is set up by I2C while the camera is enabled already: its first frame is number 1.
@@ -63,14 +65,16 @@ def running(system, setup, light, *, corner=(0, 0), clocks=None, verilog=None, r
         The system's text; made if absent.
     registers : dict, optional
         Written before the camera is enabled.
+    gains : tuple of int
+        Of the samples at capture, in 256ths.
     run :
         As of :class:`LiveSystem`.
     """
     sensor = setup.sensor
     clocks = clocks or Clocks(extclk_period=2 * round(5e11 / setup.timing.pixel_clock_hz))
     frame = setup.timing.frame_clocks * clocks.extclk_period // clocks.clk_period
-    crop = Crop(*corner)
-    raw = np.array(crop.raw(raw_frames(setup, light), system.descriptor.geometry.distorted))
+    crop, geometry = Crop(*corner), system.descriptor.geometry
+    raw = np.array(crop.raw(raw_frames(setup, light), geometry.distorted))
     size = memory_bytes(system.descriptor, system.hardware, system.stores)
     with LiveSystem(verilog or system_verilog(system), sensor.name, light, size,
                     clocks=clocks, **run) as live:
@@ -82,11 +86,14 @@ def running(system, setup, light, *, corner=(0, 0), clocks=None, verilog=None, r
             host.camera.put(GRID_WEIGHT=crop.weight, GRID_BIN=crop.binning)
         host.camera.put(SENT_WIDTH=setup.timing.width, SENT_HEIGHT=setup.timing.height,
                         WINDOW_LEFT=crop.left, WINDOW_TOP=crop.top, BLACK_LEVEL=sensor.black,
-                        CLOCK_LIMIT=frame // 2, I2C_QUARTER=host.quarter, **(registers or {}))
+                        CLOCK_LIMIT=frame // 2, I2C_QUARTER=host.quarter,
+                        CAPTURE_GAINS=gains_word(gains), **(registers or {}))
         # Without the waits, which are those of a PLL.
         report = setup.report()
         writes = [write | {"wait_us": 0} for write in report["writes"]]
         host.camera.set_up(report | {"writes": writes[:-1]})
         host.camera.start()
         host.camera.set_up(report | {"writes": writes[-1:]})
-        yield Running(host, levelled(raw, sensor.black), frame)
+        phase = None if geometry.mono else geometry.phase
+        yield Running(host, levelled(raw, sensor.black,
+                                     gains=sample_gains(geometry.distorted, phase, gains)), frame)
