@@ -24,11 +24,11 @@ from ncdc_spec.protocols.features import FEATURES, feature
 from ncdc_spec.protocols.genicam import genicam_xml
 from ncdc_spec.protocols.table_one import IDLE_SECONDS, SYSTEM_WORDS, TCP_PORT
 from ncdc_spec.registers.link_map import LINK, TEMPLATES
-from ncdc_spec.registers.register_map import CTRL_COMMIT, STATUS_COMMITTED, TABLE, registers
+from ncdc_spec.registers.register_map import registers
 from ncdc_spec.sensors import mt9p031
 from ncdc_spec.sensors.framing import Crop, field_values
 from ncdc_spec.sensors.waking import wake_times
-from ncdc_spec.white_balance import LARGEST_GAIN, UNITY
+from ncdc_spec.white_balance import GAIN_BITS, LARGEST_GAIN, UNITY
 
 __all__ = ["FIRMWARE", "Identity", "config", "firmware_image", "host_program"]
 
@@ -38,8 +38,6 @@ _COMPILER = "riscv64-unknown-elf-gcc"
 _I2C_QUARTER_MIN = 8      # clocks
 _USERS = 8                  # of Table I at a time
 _SENSOR_LAST = 0xFF         # address of the sensor's last register
-# Registers of the corrector that a controller writes and that belong to no set.
-_NO_SHADOW = ("CTRL", "STATUS", "IRQ_ENABLE", "VALID_WINDOW", "FAULT")
 _SOURCES = ("start.S", "main.c", "net.c", "table.c", "gvcp.c", "gvcp_control.c", "gvcp_read.c",
             "gvcp_write.c", "auto.c", "stream.c", "frames.c", "mraw.c", "words.c", "sensor.c",
             "interrupt.c", "phy.c", "mdio.c", "ip.c", "eth.c", "uart.c", "memory.c")
@@ -220,7 +218,6 @@ def _automatic(system, setup):
     descriptor, colour = system.descriptor, system.hardware.colour
     at = {one.name: 4 * one.address for one in registers(
         descriptor.hidden_neurons, descriptor.formats, descriptor.nodes, colour=True)}
-    others = [f"(o) != {_hex(at[name])}" for name in _NO_SHADOW]
     return {
         "AUTO_TARGET": f"{auto_control.TARGET}u", "AUTO_BAND": f"{auto_control.BAND}u",
         "AUTO_STEP_FACTOR": f"{auto_control.STEP_FACTOR}u",
@@ -231,12 +228,9 @@ def _automatic(system, setup):
         # An exposure as long as the frame makes the frame longer.
         "AUTO_LINES_MAX": f"{max(1, setup.timing.frame_lines - 1)}u",
         "AUTO_COLOUR": int(colour), "AUTO_RATIO_UNITY": f"{UNITY}u",
-        "AUTO_RATIO_MAX": f"{LARGEST_GAIN}u",
-        "CORRECTOR_CTRL": _hex(at["CTRL"]), "CORRECTOR_COMMIT": _hex(CTRL_COMMIT),
-        "CORRECTOR_STATUS": _hex(at["STATUS"]), "CORRECTOR_COMMITTED": _hex(STATUS_COMMITTED),
-        "CORRECTOR_FRAMES": _hex(at["FRAMES"]), "CORRECTOR_GAINS": _hex(at["GAIN_RED"]),
-        "CORRECTOR_SUMS": _hex(at["RED_SUM"]), "CORRECTOR_PIXELS": _hex(at["VALID_PIXELS"]),
-        "CORRECTOR_SHADOW(o)": f"((o) < {_hex(4 * TABLE)} && {' && '.join(others)})",
+        "AUTO_RATIO_MAX": f"{LARGEST_GAIN}u", "AUTO_RATIO_BITS": GAIN_BITS,
+        "CORRECTOR_FRAMES": _hex(at["FRAMES"]), "CORRECTOR_SUMS": _hex(at["RED_SUM"]),
+        "CORRECTOR_PIXELS": _hex(at["VALID_PIXELS"]),
         "SENSOR_GAIN_MASK": _hex((1 << mt9p031.ANALOG_GAIN[1]) - 1 << mt9p031.ANALOG_GAIN[0])}
 
 

@@ -26,15 +26,18 @@ from ncdc_spec.protocols.auto_control import (
 from ncdc_spec.protocols.features import AUTO_FEATURES, feature
 from ncdc_spec.protocols.table_one import MRAW, WRITE
 from ncdc_spec.protocols.table_two import HEADER_BYTES
-from ncdc_spec.registers.register_map import CTRL_COMMIT, CTRL_START, STATUS_COMMITTED, registers
+from ncdc_spec.registers.register_map import registers
+from ncdc_spec.registers.system_map import Stores, system_registers
 from ncdc_spec.sensors import mt9p031
-from ncdc_spec.white_balance import LARGEST_GAIN, UNITY
+from ncdc_spec.white_balance import LARGEST_GAIN, UNITY, gains_word
 
 FRAMES = 40             # within which a device settles, whatever the scene
 PEER = ("10.77.0.1", 5000)
 _LENS = small_lens()
 REGISTERS = {one.name: one.address for one in registers(
     _LENS.hidden_neurons, _LENS.formats, _LENS.nodes, colour=True)}
+CAPTURE_GAINS, = (one.address for one in system_registers(Stores(4, 3, 1))
+                  if one.name == "CAPTURE_GAINS")
 
 
 class Client:
@@ -127,9 +130,9 @@ class Emulated:
         self._device.table.write(address, value)
         return self._device.table.read(None, address)
 
-    def corrector(self, register):
-        """A register of the corrector, by its name."""
-        return self._device.agent._corrector.read(REGISTERS[register])
+    def capture_gains(self):
+        """The gains at capture, as in the register CAPTURE_GAINS."""
+        return gains_word(self._device.registers.settings.colour.raw_gains)
 
     def close(self):
         self._device.close()
@@ -148,7 +151,7 @@ class Firmware:
     def set_light(self, light, colours=(1, 1, 1)):
         self._light = light
         self.wire.set_light(max(1, round(65536 * light)))
-        # As the corrector would count them, at any exposure.
+        # As the corrector would count them, at any exposure, without gains.
         for name, share in zip(("RED", "GREEN", "BLUE"), colours):
             self.wire.put(REGISTERS[f"{name}_SUM"], round(1000 * 100 * share))
         self.wire.put(REGISTERS["VALID_PIXELS"], 1000)
@@ -166,12 +169,8 @@ class Firmware:
         assert user.connect()
         return user.ask(WRITE, address, value)
 
-    def corrector(self, register):
-        return self.wire.peek(REGISTERS[register])
-
-    def put(self, register, value):
-        """Set a register of the corrector, as its hardware does."""
-        self.wire.put(REGISTERS[register], value)
+    def capture_gains(self):
+        return self.wire.peek(CAPTURE_GAINS)
 
     def close(self):
         self.wire.__exit__()
@@ -221,8 +220,11 @@ def balances(count, seed=8):
         pixels = rng.choice((0, 1, 1000, 1 << 24))
         sums = [rng.choice((0, 1, rng.randint(0, 255 * pixels), 8 * pixels)) for _ in range(3)]
         near = [min(LARGEST_GAIN, max(0, gain + rng.randint(-3, 3)))
-                for gain in balanced(sums, pixels, (0, 0, 0))]
-        yield sums, pixels, rng.choice((near, [rng.randint(0, LARGEST_GAIN) for _ in range(3)]))
+                for gain in balanced(sums, pixels, (UNITY,) * 3)]
+        present = rng.choice((near, [rng.choice((0, UNITY, rng.randint(0, LARGEST_GAIN)))
+                                     for _ in range(3)]))
+        yield sums, pixels, present
+        yield [min(s * gain >> 8, 0xFFFFFFFF) for s, gain in zip(sums, present)], pixels, present
 
 
 def test_the_firmware_has_the_same_rule(wire_firmware):
@@ -350,7 +352,7 @@ def test_it_stays_when_the_controller_leaves(one):
 def test_the_colours_get_equal_means(one):
     one.set_light(0.03, (0.5, 1.0, 0.7))
     one.client.set(ExposureTime=400, Gain=8, BalanceWhiteAuto=ONCE, AcquisitionStart=1)
-    one.frames(4)
+    one.frames(10)
     assert one.client.get("BalanceWhiteAuto") == OFF
     ratios = []
     for colour in range(3):
@@ -359,50 +361,42 @@ def test_the_colours_get_equal_means(one):
     assert ratios == pytest.approx([512, 256, 366], abs=6)
 
 
-def test_raw_frames_are_not_balanced(one):
+def test_while_raw_frames_stream_no_ratio_is_estimated(one):
     one.client.set(CorrectionEnable=0)
     one.set_light(0.03, (0.5, 1.0, 0.7))
     one.client.set(ExposureTime=400, Gain=8, BalanceWhiteAuto=ONCE, AcquisitionStart=1)
-    one.frames(4)
+    one.frames(10)
     assert one.client.get("BalanceWhiteAuto") == ONCE
     assert one.client.get("BalanceRatio") == UNITY
 
 
-def test_the_corrector_has_the_ratios(one):
-    one.client.set(BalanceRatioSelector=2, BalanceRatio=300)
+def test_the_ratios_are_the_gains_of_capture(one):
+    """Written in any order, and not those of the corrector, which act after interpolation."""
+    for colour, ratio in ((2, 300), (0, 1023), (2, 301)):
+        assert one.client.set(BalanceRatioSelector=colour, BalanceRatio=ratio) == [
+            gvcp.SUCCESS] * 2
     one.frames(1)
-    assert [one.corrector(f"GAIN_{name}") for name in ("RED", "GREEN", "BLUE")] == [256, 256, 300]
+    assert one.capture_gains() == gains_word((1023, 256, 301))
 
 
-# The firmware alone: other users of the corrector and of the frames.
-
-def corrector_write(one, register, value):
-    address = gvcp.CORRECTOR_BASE + 4 * REGISTERS[register]
-    assert one.client.write(address, value) == gvcp.SUCCESS
-
-
-def test_a_lens_that_is_being_loaded_is_not_committed(firmware):
-    corrector_write(firmware, "OUTPUT_X_BIAS", 7)
-    corrector_write(firmware, "STATUS", 16)
-    firmware.set_light(0.03, (0.5, 1.0, 0.7))
-    firmware.client.set(BalanceRatio=300, BalanceWhiteAuto=ONCE, AcquisitionStart=1)
-    firmware.frames(3)
-    assert (firmware.corrector("CTRL"), firmware.corrector("GAIN_RED")) == (0, 300)
-    # The controller's own commit is followed by the firmware's.
-    corrector_write(firmware, "CTRL", CTRL_COMMIT | CTRL_START)
-    firmware.frames(3)
-    assert (firmware.corrector("CTRL"), firmware.corrector("GAIN_RED")) == (CTRL_COMMIT, 512)
+def test_gains_that_are_in_the_sums_stay_balanced(one):
+    """The estimate takes the present gains into account: it comes to rest, from any beginning."""
+    one.set_light(0.02, (0.6, 1.0, 0.8))
+    one.client.set(ExposureTime=300, Gain=8)
+    for colour, ratio in enumerate((300, 700, 512)):
+        one.client.set(BalanceRatioSelector=colour, BalanceRatio=ratio)
+    one.client.set(BalanceWhiteAuto=CONTINUOUS, AcquisitionStart=1)
+    one.frames(12)
+    found = []
+    for _ in range(6):
+        one.frames(1)
+        found.append(one.capture_gains())
+    assert len(set(found)) == 1
+    gains = [found[0] >> 10 * colour & 1023 for colour in range(3)]
+    assert gains == pytest.approx([427, 256, 320], abs=5)
 
 
-def test_a_committed_set_is_not_written(firmware):
-    firmware.put("STATUS", STATUS_COMMITTED)
-    firmware.client.set(BalanceRatio=300)
-    firmware.frames(1)
-    assert firmware.corrector("GAIN_RED") == UNITY and firmware.client.get("BalanceRatio") == 300
-    firmware.put("STATUS", 0)
-    firmware.frames(1)
-    assert firmware.corrector("GAIN_RED") == 300
-
+# The firmware alone: other users of the frames.
 
 def test_exposure_waits_while_a_package_is_sent(firmware):
     user = TcpUser(firmware.wire, 41_000, takes=False)

@@ -14,6 +14,7 @@ from ncdc_host.device.correction import Correction
 from ncdc_model.example import noise_picture
 from ncdc_model.golden.corrector import correct
 from ncdc_model.images import mosaic
+from ncdc_spec.colour import Colour
 from ncdc_spec.interpolation import DIRECTIONAL, GRADIENT
 from ncdc_spec.protocols.auto_control import BAND, CONTINUOUS, TARGET, sample_positions
 from ncdc_spec.protocols.gvcp import CORRECTOR_BASE
@@ -142,19 +143,20 @@ def test_a_crest_that_a_client_commits_is_in_the_pictures(interpolation, written
                                   correct(lens, raw, crest=active).picture)
 
 
-def test_gains_that_a_client_commits_are_the_ratios():
-    """The corrector's registers and the features are one state; a lens does not change it."""
+def test_gains_that_a_client_commits_are_not_the_ratios():
+    """Those are after interpolation, the ratios before; a lens changes neither."""
     with device([small_lens()]) as served, \
             open_device(f"gige://{served.options.address}") as client:
         client.write_memory(AT["GAIN_GREEN"], (400).to_bytes(4, "big"))
         client.set("BalanceRatioSelector", "Green")
-        assert client.get("BalanceRatio") == 1
-        commit(client)
-        assert client.get("BalanceRatio") == 400 / 256
         client.set("BalanceRatio", 2)
-        assert word(client, "GAIN_GREEN") == 512
+        assert word(client, "GAIN_GREEN") == 400        # of the shadow still
+        assert served.registers.settings.colour == Colour(raw_gains=(256, 512, 256))
+        commit(client)
         LensLoader(client).load(small_lens(seed=3))
-        assert client.get("BalanceRatio") == 2 and word(client, "GAIN_GREEN") == 512
+        assert client.get("BalanceRatio") == 2 and word(client, "GAIN_GREEN") == 400
+        assert served.registers.settings.colour == Colour((256, 400, 256),
+                                                          raw_gains=(256, 512, 256))
         served.camera.newest()
         for name, value in served.camera.sums.registers.items():
             assert word(client, name) == value > 0

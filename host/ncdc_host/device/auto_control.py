@@ -1,8 +1,9 @@
 """Automatic exposure, gain and white balance of the emulated device, frame by frame."""
 
+from dataclasses import replace
+
 import numpy as np
 
-from ncdc_spec.colour import Colour
 from ncdc_spec.protocols.auto_control import (
     LEVEL_SHIFT,
     OFF,
@@ -58,9 +59,9 @@ class AutoControl:
 
     def _balance(self, frame):
         colour = frame.settings.colour
-        gains = balanced(frame.sums.colours, frame.sums.pixels, colour.gains)
-        if gains != colour.gains:
-            self._registers.set_colour(Colour(gains, colour.tone))
+        gains = balanced(frame.sums.colours, frame.sums.pixels, colour.raw_gains)
+        if gains != colour.raw_gains:
+            self._registers.set_colour(replace(colour, raw_gains=gains))
         else:
             self._settled("BalanceWhiteAuto")
 

@@ -185,9 +185,10 @@ class Camera:
         return picture
 
     def raw(self, settings, position, seed):
-        """The whole raw frame of those settings, not mirrored."""
+        """The whole raw frame of those settings as capture stores it, not mirrored."""
         exposure = Exposure(settings.exposure_ns / self._registers.reference_ns,
-                            settings.gain_eighths / 8, settings.pattern, self._noise)
+                            settings.gain_eighths / 8, settings.pattern, self._noise,
+                            settings.colour.raw_gains)
         return expose(self._light.raw(position), exposure, self._bayer, seed)
 
 

@@ -262,7 +262,7 @@ class ControlAgent:
         if one.name == "SensorRegisterValue":
             return self._registers.read(self._sensor_address)
         if one.name == "BalanceRatio":
-            return self._registers.settings.colour.gains[self._ratio]
+            return self._registers.settings.colour.raw_gains[self._ratio]
         return {**self._registers.auto,
                 "AcquisitionMode": self._mode, "TriggerMode": self._trigger,
                 "TLParamsLocked": self._tl_locked, "BalanceRatioSelector": self._ratio,

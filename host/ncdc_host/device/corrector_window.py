@@ -1,6 +1,7 @@
 """The corrector's own registers over the network: how a host gives a device another lens."""
 
 import threading
+from dataclasses import replace
 
 import numpy as np
 
@@ -13,6 +14,7 @@ from ncdc_spec.float_network import FloatNetwork
 from ncdc_spec.geometry import ValidRows
 from ncdc_spec.hardware import Hardware
 from ncdc_spec.interpolation import CRESTS, DIRECTIONAL
+from ncdc_spec.raw_gains import NO_RAW_GAINS
 from ncdc_spec.registers.host_values import colour_values, host_values, table_words
 from ncdc_spec.registers.register_map import (
     COLOUR_SETTINGS,
@@ -63,12 +65,14 @@ class CorrectorWindow:
                             self._map["DIGEST"].address: int(descriptor.digest[:8], 16),
                             self._map["NEURONS"].address: descriptor.hidden_neurons}
             self._words |= {self._map[name].address: value for name, value in capabilities(
-                _HARDWARE.made_for(descriptor), *descriptor.geometry.corrected).items()}
+                _HARDWARE.made_for(descriptor), *descriptor.geometry.corrected,
+                capture=True).items()}
             if descriptor.nodes > 1:
                 self._words[self._map["NODES"].address] = descriptor.nodes
             self._colour = None
-        if settings.colour is not self._colour:
-            self._colour = settings.colour
+        colour = replace(settings.colour, raw_gains=NO_RAW_GAINS)     # of its registers
+        if colour != self._colour:
+            self._colour = colour
             self._words |= {self._map[name].address: value
                             for name, value in colour_values(self._colour).items()}
             self._words[self._map["CREST"].address] = self._colour.crest
@@ -120,11 +124,16 @@ class CorrectorWindow:
                 self._status |= STATUS_REFUSED
             else:
                 self._camera.replace_lens(self._lens, correction)
-                self._state.set_colour(colour)
+                with self._state.lock:
+                    present = self._state.settings.colour.raw_gains
+                    self._state.set_colour(replace(colour, raw_gains=present))
             self._status &= ~STATUS_COMMITTED
 
     def _committed_colour(self):
-        """The :class:`Colour` of the shadow; raises :class:`InputError` if its tone is no curve."""
+        """The :class:`Colour` of the shadow; raises :class:`InputError` if its tone is no curve.
+
+        Gains at capture are none of the corrector's registers.
+        """
         tone = [name for name in COLOUR_SETTINGS if name.startswith("TONE")]
         values = {name: self._words[self._map[name].address] for name in COLOUR_SETTINGS}
         # As in hardware: 3 counts as 2, and another interpolation has no crest.

@@ -188,22 +188,22 @@ class Registers:
             self._change()
 
     def set_colour(self, colour):
-        """Have corrected pictures made with this :class:`Colour` from the next frame on."""
+        """Have pictures made with this :class:`Colour` from the next frame on."""
         with self.lock:
             if colour != self._colour:
                 self._colour = colour
                 self._change()
 
     def set_ratio(self, selected, gain):
-        """Set the gain of one colour, in 256ths; raises :class:`Rejected`."""
+        """Set the gain at capture of one colour, in 256ths; raises :class:`Rejected`."""
         with self.lock:
-            gains = list(self._colour.gains)
+            gains = list(self._colour.raw_gains)
             if gains[selected] == gain:
                 return
             if self.auto["BalanceWhiteAuto"] != OFF:
                 raise Rejected("locked")
             gains[selected] = gain
-            self.set_colour(replace(self._colour, gains=tuple(gains)))
+            self.set_colour(replace(self._colour, raw_gains=tuple(gains)))
 
     def _change(self):
         for call in self._on_change:

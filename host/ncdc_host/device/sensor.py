@@ -1,11 +1,14 @@
-"""The emulated image sensor: raw frames by its registers."""
+"""The emulated image sensor and its capture: raw frames by their registers."""
 
 from dataclasses import dataclass
 
 import numpy as np
 
 from ncdc_model.images import mosaic
+from ncdc_spec.geometry import BAYER_PHASE
 from ncdc_spec.protocols.features import TEST_PATTERNS
+from ncdc_spec.raw_gains import NO_RAW_GAINS, sample_gains
+from ncdc_spec.sensors.level import SAMPLE_BITS, levelled
 
 __all__ = ["Exposure", "expose", "test_pattern"]
 
@@ -17,7 +20,7 @@ _MODES = {choice.name: choice.word for choice in TEST_PATTERNS}
 
 @dataclass(frozen=True)
 class Exposure:
-    """Settings of the sensor that change a frame.
+    """Settings of sensor and capture that change a frame.
 
     Parameters
     ----------
@@ -28,19 +31,32 @@ class Exposure:
         Value of the test pattern register.
     noise : float
         Standard deviation of the read noise in grey levels at gain 1; 0: no noise at all.
+    raw_gains : tuple of int
+        Gains of the colours at capture, in 256ths.
     """
     factor: float
     gain: float
     pattern: int
     noise: float
+    raw_gains: tuple = NO_RAW_GAINS
 
 
 def expose(light, exposure, bayer, seed):
     """Raw uint8 frame of ``light``, the raw frame at factor and gain 1 without noise.
 
     A grey level becomes light * factor * gain; noise has the variance of photons and of reading,
-    and depends on ``seed`` alone. Without noise, factor and gain 1 return ``light`` itself.
+    and depends on ``seed`` alone. Without noise, factor and all gains 1 return ``light`` itself.
     """
+    raw = _sent(light, exposure, bayer, seed)
+    if exposure.raw_gains != NO_RAW_GAINS:
+        return _captured(raw, bayer, exposure.raw_gains)
+    if raw.dtype == np.uint8:
+        return raw
+    return np.clip(np.floor(raw + np.float32(0.5)), 0, 255).astype(np.uint8)
+
+
+def _sent(light, exposure, bayer, seed):
+    """The frame that the sensor makes of ``light``: grey levels, uint8 or real."""
     if exposure.pattern:
         return test_pattern(exposure.pattern, light.shape[1], light.shape[0], bayer)
     scale = np.float32(exposure.factor * exposure.gain)
@@ -52,7 +68,20 @@ def expose(light, exposure, bayer, seed):
             (exposure.noise * exposure.gain)**2)
         random = np.random.default_rng(seed).standard_normal(light.shape, np.float32)
         raw += random * np.sqrt(variance)
-    return np.clip(np.floor(raw + np.float32(0.5)), 0, 255).astype(np.uint8)
+    return raw
+
+
+def _captured(raw, bayer, gains):
+    """The uint8 frame that capture makes of grey levels: of samples of 12 bits, with ``gains``."""
+    levels = 1 << SAMPLE_BITS
+    samples = np.clip(np.floor(16 * raw.astype(np.float32) + np.float32(0.5)), 0,
+                      levels - 1).astype(np.uint16)
+    cell = sample_gains((2, 2), BAYER_PHASE.get(bayer), gains)
+    captured = np.empty(raw.shape, np.uint8)
+    for row, column in np.ndindex(2, 2):
+        table = levelled(np.arange(levels), gains=cell[row, column])
+        captured[row::2, column::2] = table[samples[row::2, column::2]]
+    return captured
 
 
 def test_pattern(word, width, height, bayer):

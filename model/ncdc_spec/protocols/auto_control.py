@@ -107,7 +107,7 @@ def _split(total, lines, gain, limits):
 
 
 def balanced(sums, pixels, gains):
-    """Gains of the white balance of the next frames.
+    """Gains before interpolation of the next frames.
 
     Those of :func:`~ncdc_spec.white_balance.grey_world`, unless the present ones are
     within one part in ``BALANCE_BAND`` of them, or the frame is too dark.
@@ -115,10 +115,10 @@ def balanced(sums, pixels, gains):
     Parameters
     ----------
     sums : sequence of int
-        Of red, green and blue before the gains, of so many ``pixels``.
+        Of red, green and blue, of so many ``pixels``, in a frame with the present gains.
     pixels : int
     gains : sequence of int
-        Present gains in 256ths.
+        Present gains before interpolation in 256ths.
 
     Returns
     -------
@@ -128,7 +128,7 @@ def balanced(sums, pixels, gains):
     gains = tuple(gains)
     if max(sums) < BALANCE_DARK * pixels or not pixels:
         return gains
-    best = grey_world(sums)
+    best = grey_world(sums, gains)
     if all(abs(new - old) * BALANCE_BAND <= new for new, old in zip(best, gains)):
         return gains
     return best

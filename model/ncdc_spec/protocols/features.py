@@ -249,15 +249,15 @@ FEATURES = (
             "gain rises only when the exposure is at its longest.", "AnalogControl",
             high=auto_control.CONTINUOUS, choices=_AUTO),
     Feature("BalanceWhiteAuto", "enumeration", _own(38), "Once and Continuous: while corrected "
-            "pictures stream, the device sets BalanceRatio so that the colours have equal means. "
-            "Raw frames are not balanced.", "AnalogControl", high=auto_control.CONTINUOUS,
+            "pictures stream, the device sets BalanceRatio so that the colours have equal "
+            "means.", "AnalogControl", high=auto_control.CONTINUOUS,
             choices=_AUTO, needs_colour=True),
     Feature("BalanceRatioSelector", "enumeration", _own(39), "Colour that BalanceRatio is of.",
             "AnalogControl", high=len(_RATIOS) - 1, choices=_RATIOS, selects="BalanceRatio",
             needs_colour=True),
-    Feature("BalanceRatio", "float", _own(40), "Gain of a colour of corrected pictures, a factor. "
-            "Raw frames are not balanced.", "AnalogControl", low=1, high=LARGEST_GAIN,
-            scale=(1, UNITY), locked_by="BalanceWhiteAuto", needs_colour=True),
+    Feature("BalanceRatio", "float", _own(40), "Gain of a colour's raw samples, before "
+            "interpolation, a factor: raw frames have it too.", "AnalogControl", low=1,
+            high=LARGEST_GAIN, scale=(1, UNITY), locked_by="BalanceWhiteAuto", needs_colour=True),
     Feature("GevSCPSPacketSize", "integer", _BOOTSTRAP["StreamPacketSize"], "Bytes of a packet "
             "with IP and UDP header.", "TransportLayerControl",
             low=gvsp.packet_size(gvsp.MIN_PACKET + gvsp.PAYLOAD_STEP - 1),

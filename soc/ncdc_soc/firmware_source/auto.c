@@ -73,19 +73,27 @@ struct exposure auto_exposed(uint32_t level, struct exposure now, const struct l
 bool auto_balanced(const uint32_t sums[COLOURS], uint32_t pixels, uint32_t gains[COLOURS])
 {
 	uint32_t largest = 0, best[COLOURS];
+	uint64_t gain = 0, sum = 0;	/* of the colour that needs the least gain */
 	bool near = true;
 
-	for (unsigned c = 0; c < COLOURS; ++c)
+	for (unsigned c = 0; c < COLOURS; ++c) {
+		uint64_t present = gains[c] ? gains[c] : 1;
+
 		if (sums[c] > largest)
 			largest = sums[c];
+		if (sums[c] && (!sum || present * sum < gain * sums[c])) {
+			gain = present;
+			sum = sums[c];
+		}
+	}
 	if (largest < (uint64_t)AUTO_BALANCE_DARK * pixels || !pixels)
 		return false;
 	for (unsigned c = 0; c < COLOURS; ++c) {
-		uint64_t twice = 2 * (uint64_t)sums[c];
+		uint64_t half = gain * sums[c], present = gains[c] ? gains[c] : 1;
 
 		best[c] = AUTO_RATIO_MAX;
-		if (twice)
-			best[c] = clamp((2ull * AUTO_RATIO_UNITY * largest + sums[c]) / twice, 0,
+		if (half)
+			best[c] = clamp((2 * AUTO_RATIO_UNITY * present * sum + half) / (2 * half), 0,
 					AUTO_RATIO_MAX);
 		near &= distance(best[c], gains[c]) * AUTO_BALANCE_BAND <= best[c];
 	}
@@ -175,99 +183,60 @@ static void add_samples(void)
 		decide();
 }
 
-#if AUTO_COLOUR
-/* White balance. */
+/* White balance, by the gains of capture. */
 
 static uint32_t balanced_at;	/* corrected frames that were complete then */
-static uint32_t gains[COLOURS];
-static bool pushing;		/* `gains` wait to be written to the corrector */
-static bool shadowed;		/* a controller has written to the shadow, and committed nothing */
-
-void auto_corrector_written(uint32_t offset, uint32_t value)
-{
-	if (offset == CORRECTOR_CTRL)
-		shadowed &= !(value & CORRECTOR_COMMIT);
-	else
-		shadowed |= CORRECTOR_SHADOW(offset);
-}
-
-static void get_gains(void)
-{
-	for (unsigned c = 0; c < COLOURS && !pushing; ++c)
-		gains[c] = reg_read(NCDC_BASE + CORRECTOR_GAINS + 4 * c);
-}
+static uint32_t changed_at;	/* raw frames that were begun when the gains were written last */
 
 uint32_t auto_ratio(void)
 {
-	get_gains();
-	return gains[automatic.selector];
+	return reg_read(NCDC_CAPTURE_GAINS) >> AUTO_RATIO_BITS * automatic.selector & AUTO_RATIO_MAX;
+}
+
+static void put_gains(uint32_t word)
+{
+	reg_write(NCDC_CAPTURE_GAINS, word);
+	changed_at = reg_read(NCDC_RAW_BEGUN);
 }
 
 void auto_set_ratio(uint32_t gain)
 {
-	get_gains();
-	gains[automatic.selector] = gain;
-	pushing = true;
-}
+	uint32_t shift = AUTO_RATIO_BITS * automatic.selector;
 
-static void push(void)
-{
-	/* A set that is committed does not change any more. */
-	if (reg_read(NCDC_BASE + CORRECTOR_STATUS) & CORRECTOR_COMMITTED)
-		return;
-	for (unsigned c = 0; c < COLOURS; ++c)
-		reg_write(NCDC_BASE + CORRECTOR_GAINS + 4 * c, gains[c]);
-	/* Half of a lens would become active: the controller commits the gains with the rest. */
-	if (!shadowed)
-		reg_write(NCDC_BASE + CORRECTOR_CTRL, CORRECTOR_COMMIT);
-	pushing = false;
+	put_gains((reg_read(NCDC_CAPTURE_GAINS) & ~(AUTO_RATIO_MAX << shift)) | gain << shift);
 }
 
 static void balance_poll(void)
 {
-	uint32_t sums[COLOURS], frames, pixels, complete = interrupt_frames(false);
+	uint32_t sums[COLOURS], gains[COLOURS], frames, pixels, word;
+	uint32_t complete = interrupt_frames(false);
 
-	if (pushing) {
-		push();
-		return;
-	}
-	if (!automatic.balance || !control.acquiring || words_view().raw || shadowed ||
+	if (!AUTO_COLOUR || !automatic.balance || !control.acquiring || words_view().raw ||
 	    complete == balanced_at)
 		return;
 	frames = reg_read(NCDC_BASE + CORRECTOR_FRAMES);
 	for (unsigned c = 0; c < COLOURS; ++c)
 		sums[c] = reg_read(NCDC_BASE + CORRECTOR_SUMS + 4 * c);
 	pixels = reg_read(NCDC_BASE + CORRECTOR_PIXELS);
+	/* The frame that was under way when the gains were written has others, and so may the one
+	 * that began just then. */
+	if ((int32_t)(reg_read(NCDC_CORRECTED_NUMBER) - changed_at) < 2)
+		return;
 	/* Another frame has ended meanwhile: these may be sums of both. */
 	if (reg_read(NCDC_BASE + CORRECTOR_FRAMES) != frames)
 		return;
 	balanced_at = complete;
-	get_gains();
-	pushing = auto_balanced(sums, pixels, gains);
-	if (!pushing)
+	word = reg_read(NCDC_CAPTURE_GAINS);
+	for (unsigned c = 0; c < COLOURS; ++c)
+		gains[c] = word >> AUTO_RATIO_BITS * c & AUTO_RATIO_MAX;
+	if (!auto_balanced(sums, pixels, gains)) {
 		settle(&automatic.balance);
+		return;
+	}
+	for (unsigned c = word = 0; c < COLOURS; ++c)
+		word |= gains[c] << AUTO_RATIO_BITS * c;
+	put_gains(word);
 }
-#else
-void auto_corrector_written(uint32_t offset, uint32_t value)
-{
-	(void)offset;
-	(void)value;
-}
-
-uint32_t auto_ratio(void)
-{
-	return AUTO_RATIO_UNITY;
-}
-
-void auto_set_ratio(uint32_t gain)
-{
-	(void)gain;
-}
-
-static void balance_poll(void)
-{
-}
-#endif
 
 void auto_poll(void)
 {

@@ -28,7 +28,8 @@ struct limits {
  * same ones if the rule has settled. As ncdc_spec.protocols.auto_control. */
 struct exposure auto_exposed(uint32_t level, struct exposure now, const struct limits *limits);
 
-/* Gains of the next frames from the sums of `pixels` pixels, likewise; whether they changed. */
+/* Gains at capture of the next frames from the sums of `pixels` pixels, likewise; whether they
+ * changed. The present gains are in the sums. */
 bool auto_balanced(const uint32_t sums[3], uint32_t pixels, uint32_t gains[3]);
 
 /* Whether the device alone writes that register of the sensor now. */
@@ -37,12 +38,9 @@ bool auto_locks(uint32_t address);
 /* Whether it is writing exposure and gain: others' writes of them wait. */
 bool auto_writes(void);
 
-/* Gain of the colour that is selected, in 256ths. */
+/* Gain at capture of the colour that is selected, in 256ths. */
 uint32_t auto_ratio(void);
 void auto_set_ratio(uint32_t gain);
-
-/* Called when a controller has written a register of the corrector, at that offset in bytes. */
-void auto_corrector_written(uint32_t offset, uint32_t value);
 
 void auto_poll(void);
 

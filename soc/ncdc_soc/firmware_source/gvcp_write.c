@@ -119,7 +119,7 @@ static uint32_t write_bootstrap(uint32_t address, uint32_t value)
 static uint32_t write_balance(const struct feature *one, uint32_t value)
 {
 	if (!AUTO_COLOUR)
-		return WRITE_PROTECT;		/* the corrector has no gains */
+		return WRITE_PROTECT;		/* the corrector has no sums of the colours */
 	switch (one->id) {
 	case FEATURE_BalanceWhiteAuto: automatic.balance = value; break;
 	case FEATURE_BalanceRatioSelector: automatic.selector = value; break;
@@ -206,7 +206,6 @@ uint32_t gvcp_write_word(uint32_t address, uint32_t value, const struct udp_path
 		return ACCESS_DENIED;
 	if (address - GVCP_CORRECTOR_BASE < GVCP_CORRECTOR_BYTES) {
 		reg_write(NCDC_BASE + (address - GVCP_CORRECTOR_BASE), value);
-		auto_corrector_written(address - GVCP_CORRECTOR_BASE, value);
 		return SUCCESS;
 	}
 	if (!one)

@@ -6,6 +6,7 @@
  * frame that it sends, and by ".".
  * "b LIGHT" has raw frames show a grey of LIGHT / 65536 for each line of exposure and eighth of gain, as
  * the sensor does: with registers of two frames ago. "p OFFSET VALUE" sets a register of the corrector,
+ * of a sum of colours to what it is with gains of 1 at capture;
  * "q OFFSET" asks for it; "e LEVEL LINES GAIN EXPOSURE GAIN LINES" and "w RED GREEN BLUE PIXELS RED GREEN
  * BLUE" ask for what the rules of auto.h say. The answer to these begins with "v", in decimal.
  * The sensor's registers take what is written; all but the identity and the gain are 0 at first. A
@@ -41,6 +42,8 @@ static uint32_t i2c_result, i2c_bytes, i2c_at;
 
 static uint32_t light;		/* 0: raw frames show their addresses */
 static uint32_t exposed[3];	/* lines times gain, of the frame that is complete and of the next ones */
+static uint32_t balanced[3];	/* gains of capture, likewise */
+static uint32_t colours[3];	/* sums of the corrector, if these gains were 1 */
 
 static void hold(uint32_t address, uint32_t value)
 {
@@ -73,6 +76,26 @@ static void expose(void)
 	exposed[0] = exposed[1];
 	exposed[1] = exposed[2];
 	exposed[2] = (lines ? lines : 1) * (register_at(SENSOR_GAIN) & SENSOR_GAIN_MASK);
+}
+
+static uint32_t *system_register(uint32_t address)
+{
+	return &core[(address - NCDC_BASE) / 4];
+}
+
+/* A raw frame has begun; the one before the last one is corrected, and its colours are added up. */
+static void balance(void)
+{
+	balanced[0] = balanced[1];
+	balanced[1] = balanced[2];
+	balanced[2] = *system_register(NCDC_CAPTURE_GAINS);
+	for (unsigned c = 0; c < 3; ++c) {
+		uint64_t gain = balanced[0] >> AUTO_RATIO_BITS * c & AUTO_RATIO_MAX;
+
+		core[CORRECTOR_SUMS / 4 + c] = (uint32_t)(colours[c] * gain / AUTO_RATIO_UNITY);
+	}
+	*system_register(NCDC_CORRECTED_NUMBER) = ++*system_register(NCDC_RAW_BEGUN) - 2;
+	++core[CORRECTOR_FRAMES / 4];
 }
 
 /* Four samples of the raw frame. */
@@ -173,7 +196,7 @@ static void pass(uint32_t ms)
 	for (uint32_t k = 0; k < ms; k += STEP_MS) {
 		now += (uint64_t)STEP_MS * (CLOCK_HZ / 1000);
 		expose();
-		++core[CORRECTOR_FRAMES / 4];
+		balance();
 		interrupted();
 		loop();
 	}
@@ -201,7 +224,9 @@ static void corrector(const char *line)
 	unsigned offset, value = 0;
 
 	sscanf(line + 2, "%u %u", &offset, &value);
-	if (*line == 'p')
+	if (*line == 'p' && offset - CORRECTOR_SUMS < sizeof colours)
+		colours[(offset - CORRECTOR_SUMS) / 4] = value;
+	else if (*line == 'p')
 		core[offset / 4] = value;
 	else
 		printf("v %u\n", core[offset / 4]);
@@ -214,7 +239,8 @@ int main(void)
 	hold(SENSOR_ID_ADDRESS, SENSOR_ID);
 	hold(SENSOR_GAIN, 8);
 	for (unsigned c = 0; c < 3; ++c)
-		core[CORRECTOR_GAINS / 4 + c] = AUTO_RATIO_UNITY;
+		*system_register(NCDC_CAPTURE_GAINS) |= AUTO_RATIO_UNITY << AUTO_RATIO_BITS * c;
+	balanced[0] = balanced[1] = balanced[2] = *system_register(NCDC_CAPTURE_GAINS);
 	interrupt_begin();
 	words_begin();
 	gvcp_begin();
