@@ -4,7 +4,7 @@ import numpy as np
 
 from ncdc_spec.white_balance import GAIN_F_BITS, UNITY
 
-__all__ = ["NO_RAW_GAINS", "balanced_raw", "gained", "sample_gains"]
+__all__ = ["NO_RAW_GAINS", "balanced_raw", "frame_gains", "gained", "sample_gains"]
 
 NO_RAW_GAINS = (UNITY,) * 3
 
@@ -35,6 +35,11 @@ def sample_gains(size, phase, gains):
     return found
 
 
+def frame_gains(geometry, gains):
+    """:func:`sample_gains` of the raw frames of a camera of ``geometry``."""
+    return sample_gains(geometry.distorted, None if geometry.mono else geometry.phase, gains)
+
+
 def gained(samples, gains, most):
     """min(most, floor((gain sample + 128) / 256)) of integer ``samples``, int64.
 
@@ -49,5 +54,4 @@ def balanced_raw(raw, geometry, gains):
     """The ``raw`` uint8 frame of a camera of ``geometry`` after ``gains``, as tiles hold it."""
     if tuple(gains) == NO_RAW_GAINS:
         return raw
-    phase = None if geometry.mono else geometry.phase
-    return gained(raw, sample_gains(geometry.distorted, phase, gains), 255).astype(np.uint8)
+    return gained(raw, frame_gains(geometry, gains), 255).astype(np.uint8)

@@ -88,6 +88,30 @@ def test_grey_world_of_odd_sums(sums, gains):
     assert grey_world(sums) == gains
 
 
+@pytest.mark.parametrize("sums,present,gains", [
+    ((100, 100, 100), (512, 256, 300), (512, 256, 300)),    # balanced: the same again
+    ((100, 100, 100), (1000, 512, 600), (500, 256, 300)),   # but the least gain is 1.0
+    ((100, 200, 160), (256, 512, 256), (410, 410, 256)),
+    ((0, 7, 7), (0, 256, 256), (1023, 256, 256)), ((0, 0, 0), (1, 2, 3), (256, 256, 256)),
+    ((7, 7, 7), (0, 1, 256), (256, 256, 1023)),             # a gain of 0 counts as 1
+    ((2**32 - 1, 2**32 - 1, 1), (1023, 1, 1), (1023, 256, 1023))])
+def test_grey_world_of_sums_with_gains(sums, present, gains):
+    assert grey_world(sums, present) == gains
+
+
+def test_an_estimate_from_balanced_samples_comes_to_rest():
+    """Whatever the colours of the light: the second estimate is the first one, but for rounding."""
+    rng = np.random.default_rng(9)
+    for light in rng.uniform(.3, 1, (200, 3)):
+        gains, history = tuple(rng.integers(64, 1024, 3).tolist()), []
+        for _ in range(3):
+            sums = [int(1e6 * part * gain / 256) for part, gain in zip(light, gains)]
+            gains = grey_world(sums, gains)
+            history.append(gains)
+        assert min(gains) == 256 and history[1] == history[2]
+        assert np.abs(np.subtract(history[0], history[1])).max() <= 1
+
+
 def test_gains_are_rounded_to_256ths():
     assert gains_of("1.8, 1,1.4") == (461, 256, 358)
     assert gains_of("0.00390625,3.99609375,1e0") == (1, 1023, 256)

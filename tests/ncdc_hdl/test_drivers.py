@@ -186,7 +186,8 @@ def test_back_ends_reach_the_registers(folder):
 COLOUR = """
 import ncdc_registers as r
 from ncdc_driver import Corrector, CorrectorError, grey_world
-words = {r.OFFSET["ID"]: r.ID_VALUE, r.OFFSET["CAPABILITIES"]: r.VERSION | r.CAPABILITIES_COLOUR,
+words = {r.OFFSET["ID"]: r.ID_VALUE,
+         r.OFFSET["CAPABILITIES"]: r.VERSION | r.CAPABILITIES_COLOUR | r.CAPABILITIES_RAW_GAINS,
          r.OFFSET["RED_SUM"]: 100, r.OFFSET["GREEN_SUM"]: 200, r.OFFSET["BLUE_SUM"]: 160}
 corrector = Corrector(lambda offset: words.get(offset, 0), words.__setitem__)
 corrector.white_balance(grey_world(corrector.colour_sums()))
@@ -194,6 +195,8 @@ print([words[r.OFFSET[f"GAIN_{name}"]] for name in ("RED", "GREEN", "BLUE")])
 corrector.tone(r.TONES["sRGB"])
 print([words[r.OFFSET[f"TONE{k}"]] for k in range(17)])
 print(sorted(corrector.counters())[-1])
+corrector.raw_balance(grey_world(corrector.colour_sums(), (256, 512, 256)))
+print([words[r.OFFSET[f"RAW_GAIN_{name}"]] for name in ("RED", "GREEN", "BLUE")])
 before = dict(words)
 for action, values in ((corrector.white_balance, (256, 256)), (corrector.tone, (257,) * 17),
                        (corrector.white_balance, (256, 1.5, 256)),
@@ -204,28 +207,31 @@ for action, values in ((corrector.white_balance, (256, 256)), (corrector.tone, (
         print(error)
 assert words == before
 words[r.OFFSET["CAPABILITIES"]] = r.VERSION
-try:
-    Corrector(lambda offset: words.get(offset, 0), None).colour_sums()
-except CorrectorError as error:
-    print(error)
+without = Corrector(lambda offset: words.get(offset, 0), None)
+for action in (without.colour_sums, lambda: without.raw_balance((256, 256, 256))):
+    try:
+        action()
+    except CorrectorError as error:
+        print(error)
 """
 
 
 def test_drivers_of_a_corrector_with_colour(tmp_path):
     """The Python driver balances by the sums; C and SystemRDL know the registers too."""
-    made = Corrector(WIDE, Hardware(colour=True))
+    made = Corrector(WIDE, Hardware(colour=True, raw_balance=True))
     for name, text in driver_files(made, [("wide.toml", WIDE)]).items():
         (tmp_path / name).write_text(text)
     done = subprocess.run([sys.executable, "-c", COLOUR], cwd=tmp_path, text=True,
                           capture_output=True)
     assert not done.returncode, done.stderr
     assert done.stdout.splitlines() == [
-        "[512, 256, 320]", str(list(tone_named("sRGB"))), "VALID_PIXELS",
+        "[512, 256, 320]", str(list(tone_named("sRGB"))), "VALID_PIXELS", "[410, 410, 256]",
         "there are 2 values, 3 are needed, each a gain",
         "a node of the tone curve is 257, an integer of 0 to 256 is needed",
         "a gain is 1.5, an integer of 0 to 1023 is needed",
         "a gain is 1024, an integer of 0 to 1023 is needed",
-        "the corrector has no registers for colour: it was generated without --colour"]
+        "the corrector has no registers for colour: it was generated without --colour",
+        "the corrector has no gains before interpolation: it was generated without --raw-balance"]
     (tmp_path / "colour.c").write_text("""#include <stdio.h>
 #include "ncdc.h"
 int main(void)
@@ -246,4 +252,4 @@ int main(void)
     compiler.compile_file(str(tmp_path / "ncdc.rdl"))
     top = compiler.elaborate().top
     names = {node.inst_name for node in top.descendants() if isinstance(node, RegNode)}
-    assert {"GAIN_RED", "TONE16", "VALID_PIXELS"} <= names
+    assert {"GAIN_RED", "RAW_GAIN_RED", "TONE16", "VALID_PIXELS"} <= names

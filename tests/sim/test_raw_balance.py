@@ -22,7 +22,7 @@ from ncdc_spec.colour import Colour
 from ncdc_spec.frames import frame_bytes, raw_image, stored_picture
 from ncdc_spec.hardware import Hardware
 from ncdc_spec.interpolation import DIRECTIONAL, FAST
-from ncdc_spec.raw_gains import NO_RAW_GAINS, sample_gains
+from ncdc_spec.raw_gains import NO_RAW_GAINS, frame_gains
 from ncdc_spec.registers.host_values import host_values
 from ncdc_spec.registers.register_map import (
     CTRL_COMMIT,
@@ -34,7 +34,6 @@ from ncdc_spec.registers.register_map import (
 from ncdc_spec.sensors.catalogue import sensor_named, setup
 from ncdc_spec.sensors.level import levelled
 from ncdc_spec.sensors.sensor import Settings
-from ncdc_spec.white_balance import gains_word
 
 pytestmark = pytest.mark.longer
 
@@ -140,10 +139,10 @@ def test_a_camera_changes_its_gains_from_frame_to_frame(system, verilog):
     new, d, asked_for = (300, 700, 256), system.descriptor, asked()
     run = simulate_camera(
         system, asked_for, still(), count=4, verilog=verilog, gains=GAINS,
-        disturb=lambda host: host.camera.put(CAPTURE_GAINS=gains_word(new)))
+        disturb=lambda host: setattr(host.camera, "gains", new))
     raw = raw_frames(asked_for, still())[0]
-    golden = [correct(d, levelled(raw, asked_for.sensor.black, gains=sample_gains(
-        SIZE, d.geometry.phase, gains))).picture for gains in (GAINS, new)]
+    golden = [correct(d, levelled(raw, asked_for.sensor.black, gains=frame_gains(
+        d.geometry, gains))).picture for gains in (GAINS, new)]
     found = [[np.array_equal(frame.picture, picture) for picture in golden].index(True)
              for frame in run.frames]
     assert found == sorted(found) and found[0] == 0 and found[-1] == 1

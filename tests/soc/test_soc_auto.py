@@ -8,10 +8,9 @@ import pytest
 
 from cameras import barrel_descriptor
 from ncdc_host.device.auto_control import level_of
-from ncdc_model.golden.colour import ColourSums, coloured
+from ncdc_model.golden.colour import ColourSums
 from ncdc_model.images import mosaic
 from ncdc_sim.system.soc import HARDWARE, SocModel, SocRun
-from ncdc_spec.colour import Colour
 from ncdc_spec.protocols.auto_control import BALANCE_BAND, BAND, TARGET
 from ncdc_spec.white_balance import UNITY, grey_world
 from peers import need
@@ -55,11 +54,10 @@ def test_a_dark_tinted_scene(tmp_path):
     assert max(counts) < 40 and exposure > 60
     assert abs(level_of(model.raw_at(exposure)) - TARGET) <= BAND
     gains = tuple(round(ratio * UNITY) for ratio in ratios)
-    golden = model.golden(exposure)
-    best = grey_world(ColourSums.of(golden).colours)
+    golden = model.golden(exposure, gains)
+    best = grey_world(ColourSums.of(golden).colours, gains)
     assert gains != (UNITY,) * 3
     assert all(abs(a - b) * BALANCE_BAND <= b for a, b in zip(gains, best)), (gains, best)
-    picture = coloured(golden, Colour(gains))
-    assert matches(tmp_path, 16, [picture])[-1] == 0
-    means = picture[~golden.blank].mean(axis=0)
+    assert matches(tmp_path, 16, [golden.picture])[-1] == 0
+    means = golden.picture[~golden.blank].mean(axis=0)
     assert means.max() < 1.02 * means.min()

@@ -81,8 +81,8 @@ class SettingsPanel(QWidget):
         self.auto = {name: self._combo(name, label) for name, label in (
             ("ExposureAuto", "Automatic exposure"), ("GainAuto", "Automatic gain"),
             ("BalanceWhiteAuto", "Automatic white balance"))}
-        self.auto["BalanceWhiteAuto"].setToolTip("Of corrected pictures; raw frames are not "
-                                                 "balanced.")
+        self.auto["BalanceWhiteAuto"].setToolTip("Estimated from corrected pictures; raw frames "
+                                                 "have the same gains.")
         for name, widget in (("S&hutter", self.shutter), ("&Exposure", self.exposure),
                              ("&Gain", self.gain), ("S&peed", self.speed),
                              ("&Test pattern", self.pattern),

@@ -10,7 +10,7 @@ from ncdc_hdl.export.verilog.system_cover import system_verilog
 from ncdc_sim.sensor.reference import raw_frames
 from ncdc_sim.system.host import SystemHost
 from ncdc_sim.system.live import Clocks, LiveSystem
-from ncdc_spec.raw_gains import NO_RAW_GAINS, sample_gains
+from ncdc_spec.raw_gains import NO_RAW_GAINS, frame_gains
 from ncdc_spec.registers.system_values import memory_bytes
 from ncdc_spec.sensors.framing import Crop
 from ncdc_spec.sensors.level import levelled
@@ -94,6 +94,4 @@ def running(system, setup, light, *, corner=(0, 0), clocks=None, verilog=None, r
         host.camera.set_up(report | {"writes": writes[:-1]})
         host.camera.start()
         host.camera.set_up(report | {"writes": writes[-1:]})
-        phase = None if geometry.mono else geometry.phase
-        yield Running(host, levelled(raw, sensor.black,
-                                     gains=sample_gains(geometry.distorted, phase, gains)), frame)
+        yield Running(host, levelled(raw, sensor.black, gains=frame_gains(geometry, gains)), frame)

@@ -16,6 +16,7 @@ from ncdc_soc.core import SocCore, core_verilog
 from ncdc_soc.firmware import Identity, config, firmware_image
 from ncdc_soc.soc import soc_verilog
 from ncdc_spec.hardware import Hardware
+from ncdc_spec.raw_gains import NO_RAW_GAINS, frame_gains
 from ncdc_spec.sensors.framing import grid_row, setup_around
 from ncdc_spec.sensors.level import levelled
 
@@ -83,11 +84,11 @@ class SocModel:
         """The program with its arguments, to be run in a folder that was filled."""
         return [*command_of(self.program), *self._light.plusargs("sensor.bin"), *plusargs]
 
-    def golden(self, exposure_us=None):
+    def golden(self, exposure_us=None, gains=NO_RAW_GAINS):
         """The golden model's :class:`Corrected` of the frame that the sensor sends with that
-        exposure; None: the first one."""
-        raw = self.raw(self.setup) if exposure_us is None else self.raw_at(exposure_us)
-        return correct(self.descriptor, raw)
+        exposure, None: the first one, with these gains at capture."""
+        found = self.setup if exposure_us is None else self._set_up(exposure_us)[0]
+        return correct(self.descriptor, self.raw(found, gains))
 
     def raw_at(self, exposure_us):
         """The raw frame that the sensor sends with that exposure."""
@@ -97,10 +98,11 @@ class SocModel:
         return setup_around(_SENSOR, self.descriptor.geometry, field=self._field,
                             exposure_us=exposure_us)
 
-    def raw(self, setup):
-        """The raw frame that the sensor sends with that :class:`Setup`."""
-        frame, = self._crop.raw(raw_frames(setup, self._light), self.descriptor.geometry.distorted)
-        return levelled(frame, setup.sensor.black)
+    def raw(self, setup, gains=NO_RAW_GAINS):
+        """The raw frame that the sensor sends with that :class:`Setup`, with gains at capture."""
+        geometry = self.descriptor.geometry
+        frame, = self._crop.raw(raw_frames(setup, self._light), geometry.distorted)
+        return levelled(frame, setup.sensor.black, gains=frame_gains(geometry, gains))
 
 
 def _build(core_text, soc):

@@ -11,6 +11,8 @@ __all__ = ["CameraError", "CameraSystem", "HeldFrame"]
 _EVENTS = ("RAW_FRAME", "RAW_BAD", "CORRECTED_FRAME", "CORRECTED_BAD", "TAKEN", "I2C_DONE",
            "REFUSED")
 _FIRST_EVENT = registers.CAMERA_STATUS_RAW_FRAME.bit_length() - 1
+_GAINS = (registers.CAPTURE_GAINS_RED, registers.CAPTURE_GAINS_GREEN,
+          registers.CAPTURE_GAINS_BLUE)
 _TRIES = 3          # attempts of a transfer on the I2C bus
 _POLLS = 100_000    # polls of a command on it
 _RENAMED = {"Camera": "CameraSystem", "Frame": "HeldFrame"}
@@ -78,6 +80,28 @@ class CameraSystem:
     def stop(self):
         """Let the frames under way end, and begin no other."""
         self.put(CAMERA_ENABLE=0, RUN=0)
+
+    @property
+    def gains(self):
+        """Gains of red, green and blue samples at capture, before interpolation, in 256ths.
+
+        Set at any time; frames of the sensor that begin afterwards have them. Setting raises
+        ``ValueError`` unless there are three integers of 0 to 1023.
+        """
+        word = self.get("CAPTURE_GAINS")
+        return tuple(_field(word, mask) for mask in _GAINS)
+
+    @gains.setter
+    def gains(self, values):
+        values = tuple(values)
+        if len(values) != len(_GAINS):
+            raise ValueError(f"there are {len(values)} gains, {len(_GAINS)} are needed")
+        for value, mask in zip(values, _GAINS):
+            if value not in range(_field(mask, mask) + 1):
+                raise ValueError(f"a gain is {value}, an integer of 0 to {_field(mask, mask)} is "
+                                 f"needed")
+        self.put(CAPTURE_GAINS=sum(int(value) * (mask & -mask)
+                                   for value, mask in zip(values, _GAINS)))
 
     def listen(self, *events):
         """Enable the interrupt for these events, by the names of `CAMERA_STATUS`."""

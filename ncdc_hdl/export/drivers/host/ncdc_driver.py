@@ -40,7 +40,9 @@ class Corrector:
     stream : bool
         Pixels leave as a video stream.
     colour : bool
-        It has gains, a tone curve, and sums of the colours.
+        It has gains after interpolation, a tone curve, and sums of the colours.
+    raw_gains : bool
+        It has gains before interpolation, of raw frames as they are read.
     interpolations : tuple of str
         Names of the interpolations that it has, such as "fast".
     largest : (int, int)
@@ -59,6 +61,7 @@ class Corrector:
                                             registers.CAPABILITIES_WORD))
         self.stream = bool(word & registers.CAPABILITIES_STREAM)
         self.colour = bool(word & registers.CAPABILITIES_COLOUR)
+        self.raw_gains = bool(word & registers.CAPABILITIES_RAW_GAINS)
         self.interpolations = tuple(name for name, mask in registers.INTERPOLATIONS.items()
                                     if word & mask)
         word = self.get("LARGEST")
@@ -198,15 +201,17 @@ class Corrector:
         return {name: self.get(name) for name in registers.COUNTERS}
 
     def colour_sums(self):
-        """Sums of red, green and blue over the last complete frame, before the gains.
+        """Sums of red, green and blue over the last complete frame, before :meth:`white_balance`.
 
-        Only pixels with a source count; their number is the counter VALID_PIXELS.
+        Gains before interpolation are in them. Only pixels with a source count; their number is
+        the counter VALID_PIXELS.
         """
         self._has_colour()
         return tuple(self.get(f"{name}_SUM") for name in _COLOURS)
 
     def white_balance(self, gains):
-        """Gains of red, green and blue in 256ths, as from ``grey_world``, for the next commit.
+        """Gains of red, green and blue after interpolation in 256ths, as from ``grey_world``, for
+        the next commit.
 
         Raises
         ------
@@ -214,7 +219,19 @@ class Corrector:
             If there are not three, one is no integer of 0 to 1023, a commit still waits, or the
             corrector has no colour.
         """
-        self._put_colour([f"GAIN_{name}" for name in _COLOURS], gains, "gain", LARGEST_GAIN)
+        self._has_colour()
+        self._put_set([f"GAIN_{name}" for name in _COLOURS], gains, "gain", LARGEST_GAIN)
+
+    def raw_balance(self, gains):
+        """Gains of red, green and blue samples before interpolation, for the next commit.
+
+        In 256ths, as from ``grey_world`` with the sums and the gains of the last frame. Raises
+        :class:`CorrectorError` as :meth:`white_balance`, or if the corrector has no such gains.
+        """
+        if not self.raw_gains or "RAW_GAIN_RED" not in registers.OFFSET:
+            raise CorrectorError("the corrector has no gains before interpolation: it was "
+                                 "generated without --raw-balance")
+        self._put_set([f"RAW_GAIN_{name}" for name in _COLOURS], gains, "gain", LARGEST_GAIN)
 
     def tone(self, nodes):
         """Nodes of the tone curve, as in TONES of ncdc_registers.py, for the next commit.
@@ -225,11 +242,11 @@ class Corrector:
             If there are not 17, one is no integer of 0 to 256, a commit still waits, or the
             corrector has no colour.
         """
-        names = [name for name in registers.OFFSET if name.startswith("TONE")]
-        self._put_colour(names, nodes, "node of the tone curve", _LARGEST_NODE)
-
-    def _put_colour(self, names, values, what, largest):
         self._has_colour()
+        names = [name for name in registers.OFFSET if name.startswith("TONE")]
+        self._put_set(names, nodes, "node of the tone curve", _LARGEST_NODE)
+
+    def _put_set(self, names, values, what, largest):
         if len(values) != len(names):
             raise CorrectorError(f"there are {len(values)} values, {len(names)} are needed, each a "
                                  f"{what}")
