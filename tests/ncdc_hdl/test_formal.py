@@ -4,6 +4,8 @@ Every proof has covers, which show that what it speaks of happens at all, and pl
 of which it must find.
 """
 
+from functools import partial
+
 import pytest
 from amaranth import Const, Mux
 
@@ -253,6 +255,7 @@ LONG = {
     "slots, gradient": (lambda: Slots(needs=GRADIENT), "bmc", 15),
     "fill order": (FillOrder, "bmc", 25),
     "fill order, 64 bits": (lambda: FillOrder(64), "bmc", 25),
+    "fill order with gains": (lambda: FillOrder(kind=partial(Fills, raw_balance=True)), "bmc", 24),
     **{f"slots, split {split}": (lambda split=split: Slots(split), "bmc", 16)
        for split in range(3)},
     "slots of one bank": (lambda: Slots(one_bank=True), "bmc", 18),

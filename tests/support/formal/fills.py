@@ -9,6 +9,7 @@ from formal.wrapper import Wrapper
 from ncdc_hdl.avalon.bus import ADDRESS_BITS
 from ncdc_hdl.backend.cache.fills import Fills
 from ncdc_hdl.backend.cache.layouts import tile_layout, word_bytes
+from ncdc_hdl.lib.pipeline import delay
 from ncdc_spec.cache_options import CacheOptions
 from ncdc_spec.interpolation import FAST
 
@@ -158,17 +159,16 @@ class FillOrder(_Fills):
         address = (tile.y * self.rows + row) * self.PITCH + (tile.x << 4)
         always(m, ~mine | (dut.bus.address == address),
                "address")
-        # Writes follow the words by two clocks.
-        before, written, came = Signal.like(arrivals), Signal.like(arrivals), Signal(2)
-        m.d.sync += [before.eq(arrivals), written.eq(before),
-                     came.eq(Cat(self.readdatavalid, came))]
+        # Writes follow the words.
+        written, came = (delay(m, value, dut.filled_latency, name, reset_less=False)
+                         for value, name in ((arrivals, "arrivals"), (self.readdatavalid, "came")))
         beat = (written - beats * first)[:8]
-        writes = came[1] & watching & (beat < beats)
+        writes = came & watching & (beat < beats)
         always(m, ~writes | ((dut.fill.slot == tile.slot) & (dut.fill.row == beat // dut.burst)),
                "slot")
         always(m, ~writes | (ahead == 1), "only_while_claimed")
-        always(m, ~(dut.fill.enable.any()) | came[1], "nothing_else_written")
-        always(m, ~(watching & dut.filled & (ahead == 1)) | (came[1] & (beat == beats - 1)),
+        always(m, ~(dut.fill.enable.any()) | came, "nothing_else_written")
+        always(m, ~(watching & dut.filled & (ahead == 1)) | (came & (beat == beats - 1)),
                "filled_with_the_last_word")
         reached(m, writes & (beat == beats - 1) & (first == 1), "second_tile")
         return m
