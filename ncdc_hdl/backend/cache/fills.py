@@ -143,14 +143,15 @@ class Fills(wiring.Component):
         """
         beats = self.options.tile_height * self.burst
         coming = Signal(range(beats))   # the number of the next word among those of its tile
-        with m.If(commands.valid):
-            m.d.sync += coming.eq(coming + 1)
         valid, number, samples = self._samples(m, commands, coming)
         came = Signal()                                     # a word came in the clock before
         arrived = Signal(self.data_width, reset_less=True)  # that word
         beat = Signal(range(beats))                         # its number
-        m.d.sync += [came.eq(valid), arrived.eq(samples), beat.eq(number),
-                     complete.eq(valid & (number == beats - 1)), self.filled.eq(complete)]
+        m.d.sync += [came.eq(valid), arrived.eq(samples)]
+        with m.If(commands.valid):
+            m.d.sync += coming.eq(coming + 1)
+        m.d.sync += [beat.eq(number), complete.eq(valid & (number == beats - 1)),
+                     self.filled.eq(complete)]
         m.d.comb += slots.r_en.eq(complete)
 
         fill, width = self.fill, 8 * self.word_bytes
