@@ -31,6 +31,9 @@ class Interpolation:
         Distance of a corner from the sample of its index, in samples, in each direction.
     unit_bits : int
         Colours of the corners are in units of ``2**-unit_bits`` grey levels.
+    row_bits : int or None
+        Fraction bits of a grey level that a colour between two corners of a row keeps, at least
+        ``unit_bits``; None if it keeps all.
     tile_height : int
         Rows of a tile of the tile cache: 2 or 4.
     tile_rows : int
@@ -43,6 +46,7 @@ class Interpolation:
     margin: int
     offset: float
     unit_bits: int
+    row_bits: int | None
     tile_height: int
     tile_rows: int
     reach: int
@@ -81,6 +85,11 @@ class Interpolation:
         """
         return _NARROW if self.window + 2 * (lanes - 1) <= _NARROW + 1 else 2 * _NARROW
 
+    def cut(self, f_bits):
+        """Lowest bits that a colour between two corners of a row loses, for fractions of
+        ``f_bits`` bits."""
+        return 0 if self.row_bits is None else f_bits + self.unit_bits - self.row_bits
+
     def bounds(self, first, size):
         """First and last sample, of ``size`` in a direction, of windows with corners ``first``."""
         low, high = first - self.margin, first + self.after
@@ -88,15 +97,15 @@ class Interpolation:
 
 
 # The paper's: four overlapping quads of 2x2 samples, whose colours are half a sample further on.
-FAST = Interpolation("fast", core=3, margin=0, offset=0.5, unit_bits=1, tile_height=4, tile_rows=2,
-                     reach=0)
+FAST = Interpolation("fast", core=3, margin=0, offset=0.5, unit_bits=1, row_bits=None,
+                     tile_height=4, tile_rows=2, reach=0)
 # Four samples, each with a full colour by gradient-corrected kernels of 5x5 samples.
-GRADIENT = Interpolation("gradient", core=2, margin=2, offset=0.0, unit_bits=4, tile_height=2,
-                         tile_rows=4, reach=2)
+GRADIENT = Interpolation("gradient", core=2, margin=2, offset=0.0, unit_bits=4, row_bits=6,
+                         tile_height=2, tile_rows=4, reach=2)
 # The same four samples, by kernels that follow the direction in which colours vary less; of the
 # window only the four corners are not used.
 DIRECTIONAL = Interpolation("directional", core=2, margin=2, offset=0.0, unit_bits=4,
-                            tile_height=2, tile_rows=4, reach=3)
+                            row_bits=6, tile_height=2, tile_rows=4, reach=3)
 INTERPOLATIONS = {each.name: each for each in (FAST, GRADIENT, DIRECTIONAL)}
 # Default of training. A descriptor without a name is older than the choice: it has FAST.
 DEFAULT = DIRECTIONAL

@@ -14,28 +14,28 @@ from ncdc_spec.interpolation import DIRECTIONAL, FAST
 __all__ = ["Bilinear"]
 
 _BLOCK = 18     # bits of a multiplier block
-_CREST_BITS = 6     # fraction bits of a crest
+_HALF = 32      # of a grey level, in the unit of signed colours between two points of a row
 
 
 class Bilinear(wiring.Component):
     """Separable linear interpolation, equations (30)-(32) and Fig. 15, one rounding at the end::
 
-        upper = 2**f q00 + fx (q01 - q00)       lower likewise from the second row of points
-        o     = (2**f upper + fy (lower - upper) + half) >> (2 f + u)
+        upper = q00 + fx (q01 - q00)            lower likewise from the second row of points
+        o     = round(upper + fy (lower - upper))
 
-    for each colour; u is the points' fraction bits: one for quads, in halves, four for
-    gradient-corrected colours, in sixteenths. The latter may leave 0..255: the result is clamped.
-    Equal bit for bit to ``ncdc_model.golden.picture.bilinear``. Timing: free-running, ``latency``
-    clocks; a product has a register before it, besides that of the difference, and two after it.
-    Nine multipliers of 18 bits: the second step's differences have a few more bits, whose products
-    with fy are added one clock later.
+    for each colour. ``interpolation`` has the units: those of the points, and those of ``upper``
+    and ``lower``, whose lower bits are cut off. Signed colours may leave 0..255: the result is
+    clamped. Equal bit for bit to ``ncdc_model.golden.picture.bilinear``. Timing: free-running,
+    ``latency`` clocks; a product has a register before it, besides that of the difference, and two
+    after it. Nine multipliers of 18 bits: the second step of the fast interpolation has differences
+    of more bits, whose products with fy are added one clock later.
 
     Parameters
     ----------
     f_bits : int
         Fraction bits of fx and fy.
     interpolation : Interpolation
-        It determines the unit of the colours.
+        It determines the units of the colours.
     points : ArrayLayout
         Four points: point (j, i), colour k has the index 6 j + 3 i + k.
 
@@ -52,10 +52,11 @@ class Bilinear(wiring.Component):
         Red, green, blue.
     """
 
-    crest_clock = 11        # after which the sum of both steps is complete
+    latency = 12        # with a sum of 6 clocks and a rounding, or one of 5 and a clamp
+    crest_clock = 10    # after which the sum of both steps is complete
 
     def __init__(self, f_bits, interpolation=FAST, points=QUADS):
-        self.f_bits, self.unit_bits = f_bits, interpolation.unit_bits
+        self.f_bits, self.interpolation = f_bits, interpolation
         self.colour = Shape.cast(points.elem_shape)
         self.crested = interpolation == DIRECTIONAL
         super().__init__({"i": In(points), "fx": In(f_bits), "fy": In(f_bits),
@@ -63,97 +64,63 @@ class Bilinear(wiring.Component):
                          | ({"reversed": In(2)} if self.colour.signed else {})
                          | ({"crest": In(signed(14))} if self.crested else {}))
 
-    @property
-    def latency(self):
-        """Clocks from four colours to the pixel: the last one clamps what can leave 0..255."""
-        return 13 if self.colour.signed else 12
-
     def elaborate(self, platform):
         m = Module()
-        fy_before = delay(m, self.fy, 6, "fy")
-        fy = pipeline.register(m, "fy_d6", fy_before)
+        fy = delay(m, self.fy, 7, "fy")
         if self.colour.signed:
-            minus_fy = pipeline.register(m, "minus_fy", -delay(m, self.fy, 5, "fy_above"))
             # From the other end, the position is 1 - fx.
             rows = [pipeline.register(m, f"fx{j}_d1", pipeline.register(
                 m, f"fx{j}_d0", Mux(self.reversed[j], (1 << self.f_bits) - self.fx, self.fx),
                 self.f_bits + 1)) for j in range(2)]
         else:
             rows = [delay(m, self.fx, 2, "fx")] * 2
-
-        register = partial(pipeline.register, m)
-
-        def lerp(name, a, b, fraction, cut=False):
-            """a 2**f + fraction (b - a), 5 clocks later; ``fraction`` comes 2 clocks after a, b.
-
-            ``cut``: 6 clocks later; the part of the difference above the block has its own product.
-            """
-            # Cycles 1 and 2: subtract, and the register before the multiplier.
-            subtracted = register(f"{name}_d", b - a)
-            difference = delay(m, subtracted, 1, f"{name}_d")
-            split = min(_BLOCK, len(difference)) - 1
-            low = difference[:split] if cut else difference
-            # Cycles 3 and 4: multiply.
-            product = register(f"{name}_p1", register(f"{name}_p0", low * fraction))
-            # Cycle 5, if cut: add the product of the bits above the block.
-            if cut:
-                if self.colour.signed:
-                    above = self._added(m, f"{name}_h", subtracted[split:].as_signed(), fy_before,
-                                        minus_fy)
-                else:
-                    high = difference[split:].as_signed()
-                    above = register(f"{name}_h1", register(f"{name}_h0", high * fraction))
-                product = register(f"{name}_p2", product + (above << split))
-            # The last cycle: add a.
-            first = delay(m, a, 5 if cut else 4, f"{name}_a") << self.f_bits
-            return register(f"{name}_s", first + product,
-                            Shape(len(a) + self.f_bits, self.colour.signed))
-
+        more = self.f_bits - self.interpolation.cut(self.f_bits)    # fraction bits of a row
         for colour in range(3):
             q00, q01, q10, q11 = (self.i[6 * j + 3 * i + colour]
                                   for j in range(2) for i in range(2))
             # Cycles 1 to 5: interpolate along both rows of points.
-            upper = lerp(f"u{colour}", q00, q01, rows[0])
-            lower = lerp(f"l{colour}", q10, q11, rows[1])
-            # Cycles 6 to 11: interpolate between the rows.
-            self._rounded(m, colour, lerp(f"v{colour}", upper, lower, fy, cut=True))
+            upper = self._lerp(m, f"u{colour}", q00, q01, rows[0], more)
+            lower = self._lerp(m, f"l{colour}", q10, q11, rows[1], more)
+            # Cycles 6 to 10 or 11: interpolate between the rows.
+            self._rounded(m, colour, self._lerp(m, f"v{colour}", upper, lower, fy, 0))
         return m
+
+    def _lerp(self, m, name, a, b, fraction, more):
+        """a + fraction (b - a) with ``more`` fraction bits than a, 5 clocks later; ``fraction``
+        comes 2 clocks after a, b.
+
+        6 clocks later if the difference has more bits than a multiplier block; the part above it
+        has its own product.
+        """
+        register = partial(pipeline.register, m)
+        # Cycles 1 and 2: subtract, and the register before the multiplier.
+        difference = register(f"{name}_d1", register(f"{name}_d0", b - a))
+        wide = len(difference) > _BLOCK
+        low = difference[:_BLOCK - 1] if wide else difference
+        # Cycles 3 and 4: multiply.
+        product = register(f"{name}_p1", register(f"{name}_p0", low * fraction))
+        # Cycle 5, if wide: add the product of the bits above the block.
+        if wide:
+            high = difference[_BLOCK - 1:].as_signed()
+            above = register(f"{name}_h1", register(f"{name}_h0", high * fraction))
+            product = register(f"{name}_p2", product + (above << _BLOCK - 1))
+        # The last cycle: add a. The further fraction bits are the product's.
+        product = product >> self.f_bits - more
+        total = delay(m, a, 5 if wide else 4, f"{name}_a") + (product >> more)
+        return register(f"{name}_s", Cat(product[:more], total),
+                        Shape(len(a) + more, self.colour.signed))
 
     def _rounded(self, m, colour, total):
         """The sum ``total`` of both steps as the output of a ``colour``."""
-        register = partial(pipeline.register, m)
-        shift = 2 * self.f_bits + self.unit_bits
-        # Cycle 12: round. Adding a half carries exactly if the highest bit dropped is set.
-        whole, half = total[shift:], total[shift - 1]
+        row_bits = self.interpolation.row_bits
         if not self.colour.signed:
-            m.d.sync += self.o[colour].eq(whole + half)
+            # Cycle 12: round. Adding a half carries exactly if the highest bit dropped is set.
+            shift = self.interpolation.unit_bits + self.f_bits
+            m.d.sync += self.o[colour].eq(total[shift:] + total[shift - 1])
             return
-        if self.crested:
-            finer = total[shift - _CREST_BITS:].as_signed()
-            rounded = register(f"r{colour}", finer + self.crest) >> _CREST_BITS
-        else:
-            rounded = register(f"r{colour}", whole.as_signed() + half)
-        # Cycle 13: clamp.
+        # Cycle 11: round.
+        added = self.crest if self.crested else Const(_HALF)
+        rounded = pipeline.register(m, f"r{colour}", total + added) >> row_bits
+        # Cycle 12: clamp.
         m.d.sync += self.o[colour].eq(
             Mux(rounded < 0, 0, rounded[:8] | (rounded > 255).replicate(8)))
-
-    @staticmethod
-    def _added(m, name, high, fraction, minus):
-        """``high * fraction`` 3 clocks later, with adders; ``high`` is signed and has few bits.
-
-        In digits of -2..2 to the base 4 (Booth's recoding). ``minus``: the negated fraction.
-        """
-        digits = []
-        for k in range(0, len(high), 2):
-            below = high[k - 1] if k else Const(0, 1)
-            upper = high[min(k + 1, len(high) - 1)]
-            once, twice = high[k] ^ below, (upper ^ high[k]) & ~(high[k] ^ below)
-            signed_fraction = Mux(upper, minus, fraction)
-            digits.append(pipeline.register(
-                m, f"{name}_digit{k}",
-                Mux(once, signed_fraction, Mux(twice, signed_fraction << 1, 0))))
-        sums = [pipeline.register(m, f"{name}0_{k}", sum(
-            digit << 2 * n for n, digit in enumerate(digits[k:k + 2])))
-            for k in range(0, len(digits), 2)]
-        return pipeline.register(m, f"{name}1", sum(
-            value << 4 * n for n, value in enumerate(sums)))

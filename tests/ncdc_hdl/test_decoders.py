@@ -129,7 +129,7 @@ def test_bilinear_equals_model_and_clamps(needs):
             ctx.set(dut.crest, 32)      # no crest: the half of the rounding alone
 
     got = np.array(run_pipeline(dut, list(range(400)), drive, lambda: list(dut.o)))
-    np.testing.assert_array_equal(got, bilinear(corners, *fractions.T, F, needs.unit_bits))
+    np.testing.assert_array_equal(got, bilinear(corners, *fractions.T, F, needs))
     assert {0, 255} <= set(got.ravel().tolist())
 
 
@@ -184,7 +184,7 @@ def test_stream_equals_model(needs, gap, stall, mono, crest):
 
     run_bench(dut, source, sink)
     corners = grey_corners(windows) if mono else MODEL[needs](windows, *origins.T, phase)
-    expected = bilinear(corners, *fractions.T, F, needs.unit_bits,
+    expected = bilinear(corners, *fractions.T, F, needs,
                         crest_of(windows, *fractions.T, F, crest))
     expected[blank] = [0x12, 0x34, 0x56]
     np.testing.assert_array_equal([[p.r, p.g, p.b] for p in got], expected)

@@ -100,7 +100,7 @@ def corrected(back_map, raw, geometry):
             *(coordinate.quantise(np.clip(axis, -limit, limit)) for axis in (x, y)),
             geometry, coordinate)
         samples = corner_colours(windows[y0, x0], x0, y0, geometry)
-        colours = bilinear(samples, fx, fy, coordinate.f_bits, geometry.interpolation.unit_bits)
+        colours = bilinear(samples, fx, fy, coordinate.f_bits, geometry.interpolation)
         picture[rows] = np.where(inside[..., None], colours, 0)
         valid[rows] = inside
     return picture, valid

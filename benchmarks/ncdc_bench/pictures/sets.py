@@ -69,7 +69,7 @@ def on_grid(raw, interpolation):
         part = windows[top:top + _ROWS]
         y0, x0 = np.indices(part.shape[:2])
         corners = corner_colours(part, x0, y0 + top, geometry)
-        picture[top:top + _ROWS] = bilinear(corners, 0, 0, _F_BITS, interpolation.unit_bits)
+        picture[top:top + _ROWS] = bilinear(corners, 0, 0, _F_BITS, interpolation)
     return picture
 
 

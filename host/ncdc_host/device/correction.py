@@ -35,7 +35,8 @@ class Correction:
         self.descriptor = descriptor
         f_bits, geometry = descriptor.formats.coordinate.f_bits, descriptor.geometry
         self._fixed_weights = geometry.mono or geometry.interpolation != DIRECTIONAL
-        self._one, self._shift = 1 << f_bits, 2 * f_bits + geometry.interpolation.unit_bits
+        self._one, self._cut = 1 << f_bits, geometry.interpolation.cut(f_bits)
+        self._shift = 2 * f_bits + geometry.interpolation.unit_bits - self._cut
         self._kernels = _coefficients(geometry)
         # The largest sum, of samples of 255 where the weights are positive or where they are not.
         largest = np.abs(self._kernels).sum(axis=(1, 2)).max() * 255
@@ -96,6 +97,7 @@ class Correction:
         fx, fy = (fraction[part, None].astype(self._type) for fraction in (self._fx, self._fy))
         upper, lower = (
             (self._one - fx) * colours[address + below] + fx * colours[address + below + 1]
+            >> self._cut
             for below in (0, self._row))
         total = (self._one - fy) * upper + fy * lower
         total += 1 << (self._shift - 1)

@@ -62,9 +62,9 @@ def correct(descriptor, raw, progress=lambda done, total: None, strip=0, crest=0
     origins = np.empty((2, height, width), np.int64)
     for rows, x0, y0, fx, fy, not_blank in window_bands(descriptor):
         window = windows[y0, x0]
-        added = crest_of(window, fx, fy, coordinate.f_bits, crest) if crest else None
+        added = crest_of(window, fx, fy, coordinate.f_bits, crest) if crest else 0
         picture[rows] = bilinear(corner_colours(window, x0, y0, geometry), fx, fy,
-                                 coordinate.f_bits, geometry.interpolation.unit_bits, added)
+                                 coordinate.f_bits, geometry.interpolation, added)
         origins[:, rows], valid[rows] = (x0, y0), not_blank
         progress(rows.stop, height)
     picture[~valid] = geometry.fill

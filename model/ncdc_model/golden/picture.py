@@ -27,7 +27,6 @@ _CHROMA_AT_CHROMA = np.array([[0, 0, -3, 0, 0],         # blue at a red sample, 
                               [-3, 0, 12, 0, -3],
                               [0, 4, 0, 4, 0],
                               [0, 0, -3, 0, 0]])
-_CREST_BITS = 6
 _OWN = np.zeros((5, 5), np.int64)
 _OWN[2, 2] = 16
 
@@ -145,20 +144,18 @@ def corner_colours(window, x0, y0, geometry):
     return _DECODERS[geometry.interpolation](window, x0, y0, geometry.phase)
 
 
-def bilinear(quads, fx, fy, f_bits, unit_bits=FAST.unit_bits, crest=None):
+def bilinear(quads, fx, fy, f_bits, interpolation=FAST, crest=0):
     """8-bit colours (..., 3) at (fx, fy) between the four ``quads``, equations (30)-(32).
 
-    ``quads``: (2, 2, 3, ...) in units of ``2**-unit_bits``; ``fx``, ``fy``: fractions of
-    ``f_bits`` bits. The result is rounded once (half up) and then clamped to 0..255.
-    ``crest``: added to all colours before, in 64ths, see :mod:`ncdc_model.golden.directional`; with
-    it, what is below a 64th is cut off.
+    ``quads``: (2, 2, 3, ...) in the units of ``interpolation``; ``fx``, ``fy``: fractions of
+    ``f_bits`` bits. The colours between the quads of a row keep the fraction bits that the
+    interpolation states; lower ones are cut off. The result is rounded half up, then clamped to
+    0..255. ``crest``: added to all colours before the rounding, in units of ``2**-row_bits``, see
+    :mod:`ncdc_model.golden.directional`.
     """
-    one = 1 << f_bits
-    upper, lower = ((one - fx) * quads[j, 0] + fx * quads[j, 1] for j in range(2))
-    total = (one - fy) * upper + fy * lower
-    shift = 2 * f_bits + unit_bits
-    if crest is None:
-        rounded = total + (1 << shift - 1) >> shift
-    else:
-        rounded = (total >> shift - _CREST_BITS) + crest + (1 << _CREST_BITS - 1) >> _CREST_BITS
+    one, cut = 1 << f_bits, interpolation.cut(f_bits)
+    upper, lower = ((one - fx) * quads[j, 0] + fx * quads[j, 1] >> cut for j in range(2))
+    total = (one - fy) * upper + fy * lower + (np.asarray(crest) << f_bits)
+    shift = 2 * f_bits + interpolation.unit_bits - cut
+    rounded = total + (1 << shift - 1) >> shift
     return np.moveaxis(np.clip(rounded, 0, 255), 0, -1).astype(np.uint8)
