@@ -347,6 +347,8 @@ class Corrector(wiring.Component):
             m.d.comb += [self.fetch.balance.phase.eq(active.BAYER_PHASE),
                          *(self.fetch.balance.gains[c].eq(active[name])
                            for c, name in enumerate(RAW_GAINS))]
+        if "phase" in self.fetch.signature.members:
+            m.d.comb += self.fetch.phase.eq(active.BAYER_PHASE[:2])
         if "writes" in self.backmap.signature.members:
             wiring.connect(m, self.registers.writes, self.backmap.writes)
         for row in network_registers(self.descriptor.hidden_neurons, self.descriptor.formats):

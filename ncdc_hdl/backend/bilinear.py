@@ -42,9 +42,8 @@ class Bilinear(wiring.Component):
     Members
     -------
     i : ``In(points)``
-    fx, fy : ``In(f_bits)``
-    reversed : ``In(2)``
-        For each row, whether its points come right to left; only for signed colours.
+    fx, fy : ``In``
+        0 to 1 - 2**-f_bits; fx up to 1 with signed colours, whose points may come right to left.
     crest : ``In(signed(14))``
         With a crest only: added to all colours with the half of the rounding, in 64ths of a grey
         level, ``crest_clock`` clocks after the four colours.
@@ -59,28 +58,20 @@ class Bilinear(wiring.Component):
         self.f_bits, self.interpolation = f_bits, interpolation
         self.colour = Shape.cast(points.elem_shape)
         self.crested = interpolation == DIRECTIONAL
-        super().__init__({"i": In(points), "fx": In(f_bits), "fy": In(f_bits),
-                          "o": Out(data.ArrayLayout(8, 3))}
-                         | ({"reversed": In(2)} if self.colour.signed else {})
+        super().__init__({"i": In(points), "fx": In(f_bits + self.colour.signed),
+                          "fy": In(f_bits), "o": Out(data.ArrayLayout(8, 3))}
                          | ({"crest": In(signed(14))} if self.crested else {}))
 
     def elaborate(self, platform):
         m = Module()
-        fy = delay(m, self.fy, 7, "fy")
-        if self.colour.signed:
-            # From the other end, the position is 1 - fx.
-            rows = [pipeline.register(m, f"fx{j}_d1", pipeline.register(
-                m, f"fx{j}_d0", Mux(self.reversed[j], (1 << self.f_bits) - self.fx, self.fx),
-                self.f_bits + 1)) for j in range(2)]
-        else:
-            rows = [delay(m, self.fx, 2, "fx")] * 2
+        fx, fy = delay(m, self.fx, 2, "fx"), delay(m, self.fy, 7, "fy")
         more = self.f_bits - self.interpolation.cut(self.f_bits)    # fraction bits of a row
         for colour in range(3):
             q00, q01, q10, q11 = (self.i[6 * j + 3 * i + colour]
                                   for j in range(2) for i in range(2))
             # Cycles 1 to 5: interpolate along both rows of points.
-            upper = self._lerp(m, f"u{colour}", q00, q01, rows[0], more)
-            lower = self._lerp(m, f"l{colour}", q10, q11, rows[1], more)
+            upper = self._lerp(m, f"u{colour}", q00, q01, fx, more)
+            lower = self._lerp(m, f"l{colour}", q10, q11, fx, more)
             # Cycles 6 to 10 or 11: interpolate between the rows.
             self._rounded(m, colour, self._lerp(m, f"v{colour}", upper, lower, fy, 0))
         return m

@@ -21,78 +21,88 @@ _POINTS = data.ArrayLayout(signed(15), 12)
 BEND = data.StructLayout({"x": signed(9), "y": signed(9)})
 _STEP = data.StructLayout({"whole": 1, "half": 1, "minus": 1})
 _KNIGHTS = {"Kv0": ((-2, -1), (-2, 1)), "Kv1": ((2, -1), (2, 1)),
-            "Kh0": ((-1, -2), (-1, 2)), "Kh1": ((1, -2), (1, 2))}
+            "Kh0": ((-1, -2), (1, -2)), "Kh1": ((-1, 2), (1, 2))}
 
 
 class Direction(wiring.Component):
     """The direction in which colour differences vary less, of a 6x6 raw window.
 
     Equal to ``ncdc_model.golden.directional.twice_direction``, whose docstring has the equations.
+    With the difference v - h, its magnitude m and the larger one l of h and v, these are::
+
+        s = 1 if 2 m >= l + 8, 1/2 if 4 m >= l + 8, else 0; negative if h is l
+
     Timing: free-running, ``latency`` clocks.
 
     Members
     -------
     samples : ``In(ArrayLayout(8, 32))``
         Those of ``DIRECTIONAL.samples``.
+    mono : ``In(1)``
+        Whether the sensor is grey: there is no direction then. Constant during a frame.
     o : ``Out(StructLayout({"whole": 1, "half": 1, "minus": 1}))``
-        The factor s: 1, or a half, or 0 if neither is set; negative with ``minus``.
+        The factor s: with ``whole`` 1, with ``half`` alone a half, else 0; negative with ``minus``.
     bend : ``Out(BEND)``
         Sums of the middle second differences, along the rows and along the columns, after
         ``bend_latency`` clocks: those of the crest.
     """
 
-    latency = 7
+    latency = 8
     bend_latency = 3
     _DROPPED = 2        # lowest bits of each sample that are ignored
-    _BIAS = 8
 
     def __init__(self):
-        super().__init__({"samples": In(_SAMPLES), "o": Out(_STEP), "bend": Out(BEND)})
+        super().__init__({"samples": In(_SAMPLES), "mono": In(1), "o": Out(_STEP),
+                          "bend": Out(BEND)})
 
     def elaborate(self, platform):
         m = Module()
+        register = partial(pipeline.register, m)
         at = {position: sample[self._DROPPED:]
               for position, sample in zip(DIRECTIONAL.samples, self.samples)}
         turned = {(i, j): sample for (j, i), sample in at.items()}
         (h, bend_x), (v, bend_y) = self._variation(m, "h", at), self._variation(m, "v", turned)
         m.d.comb += [self.bend.x.eq(bend_x), self.bend.y.eq(bend_y)]
-        along, down = self._flags(m, "h", h, v), self._flags(m, "v", v, h)
-        m.d.comb += [self.o.whole.eq(along[0] | down[0]), self.o.half.eq(along[1] | down[1]),
-                     self.o.minus.eq(down[0] | down[1])]
+        # Cycle 6. The bias of 7 is part of both h and v.
+        difference = register("difference", v - h)
+        h, v = register("h", h), register("v", v)
+        # Cycle 7: the magnitude is ``rest`` and one more if the difference is negative.
+        negative = difference[-1]
+        minus = register("minus", negative)
+        rest = register("rest", Mux(self.mono, 0, difference ^ negative.replicate(
+            len(difference)))[:len(h)])
+        larger = register("larger", Mux(negative, h, v))
+        # Cycle 8: rest + minus >= (larger + 1) / 2, or a quarter, rounded up.
+        magnitude = Cat(minus, rest)
+        for flag, bits in ((self.o.whole, 1), (self.o.half, 2)):
+            m.d.sync += flag.eq(magnitude > Cat(0, larger[bits:]))
+        m.d.sync += self.o.minus.eq(minus)
         return m
 
     @staticmethod
     def _variation(m, name, at):
-        """Sum of the second differences along the rows of ``at``, 5 clocks later, and that of the
-        middle ones of rows 2 and 3, 3 clocks later."""
+        """Sum of the second differences along the rows of ``at`` and 7 more, 5 clocks later, and
+        that of the middle ones of rows 2 and 3, 3 clocks later."""
         register = partial(pipeline.register, m)
-        pairs, differences = {}, {}
-        for j, i in ((2, 0), (2, 1), (2, 2), (3, 0), (3, 1), (3, 2), (1, 1), (4, 1)):
-            # Cycle 1: add samples in pairs. Cycle 2: subtract.
-            for a, b in ((i, i + 3), (i + 1, i + 2)):
-                if (j, a, b) not in pairs:
-                    pairs[j, a, b] = register(f"{name}_p{j}{a}{b}", at[j, a] + at[j, b])
-            differences[j, i] = register(f"{name}_d{j}{i}",
-                                         pairs[j, i, i + 3] - pairs[j, i + 1, i + 2])
+        differences = {}
+        for j, columns in ((2, range(3)), (3, range(3)), (1, (1,)), (4, (1,))):
+            # Cycle 1: subtract samples two apart. Cycle 2: subtract neighbouring differences.
+            first = {i: register(f"{name}_e{j}{i}", at[j, i] - at[j, i + 2])
+                     for i in range(columns[0], columns[-1] + 2)}
+            for i in columns:
+                differences[j, i] = register(f"{name}_d{j}{i}", first[i] - first[i + 1])
         # Cycles 3 to 5: magnitudes, added two by two. A negative d has -d - 1, its bits inverted.
+        # Each adder has a carry: seven in all.
         terms = [(d ^ d[-1].replicate(len(d)))[:-1] for d in differences.values()]
         for level in range(3):
-            terms = [register(f"{name}_s{level}{k}", terms[k] + terms[k + 1])
+            terms = [register(f"{name}_s{level}{k}", _sum_and_one(terms[k], terms[k + 1]))
                      for k in range(0, len(terms), 2)]
         return terms[0], register(f"{name}_bend", differences[2, 1] + differences[3, 1])
 
-    def _flags(self, m, name, less, more):
-        """Whether s is 1, and whether it is 1/2, for the sum ``less``; 2 clocks later."""
-        register = partial(pipeline.register, m)
-        # Cycle 6.
-        twice = register(f"{name}_twice", less + self._BIAS // 2) << 1
-        fourfold = register(f"{name}_fourfold", less + self._BIAS // 4) << 2
-        once = register(f"{name}_once", more)
-        thrice = register(f"{name}_thrice", (more << 1) + more)
-        # Cycle 7.
-        whole = register(f"{name}_whole", twice <= once)
-        some = register(f"{name}_some", fourfold <= thrice)
-        return whole, some & ~whole
+
+def _sum_and_one(a, b):
+    """a + b + 1 by one adder: the one is its carry."""
+    return (Cat(1, a) + Cat(1, b))[1:]
 
 
 class Crest(wiring.Component):
@@ -148,10 +158,9 @@ class DirectionalPoints(WindowDecoder):
     """The colours of four neighbouring samples by the kernels of
     ``ncdc_model.golden.directional``, whose docstring has the equations.
 
-    Nothing is rounded or clamped. So that each kernel has one position, the samples of a row are
-    put out green first; ``reversed`` says where that is not their order from left to right. The
-    chroma of the upper row comes first among the colours; it is blue if ``swapped``. Otherwise
-    equal bit for bit to ``ncdc_model.golden.directional.directional_colours``.
+    Nothing is rounded or clamped. The chroma of the upper row comes first among the colours: it is
+    red or blue as that row's samples are. Otherwise equal bit for bit to
+    ``ncdc_model.golden.directional.directional_colours``.
 
     Of a grey sensor (``mono``) green is that of ``ncdc_model.golden.picture.grey_corners``, and the
     other two colours say nothing.
@@ -161,17 +170,11 @@ class DirectionalPoints(WindowDecoder):
     Members
     -------
     samples : ``In(ArrayLayout(8, 32))``
-        Those of ``DIRECTIONAL.samples``.
-    red_column, red_row : ``In(1)``
-        Whether the first sample is in a column, a row, that holds red samples.
+        Those of ``DIRECTIONAL.samples``; that of the first point is green.
     mono : ``In(1)``
         Whether the sensor is grey; constant during a frame.
     o : ``Out(ArrayLayout(signed(15), 12))``
-        Row by row, in each the green sample, then the chroma sample; of each the chroma of the
-        upper row, green, the chroma of the lower row.
-    reversed : ``Out(2)``
-        For each row, whether its chroma sample is left of the green one.
-    swapped : ``Out(1)``
+        Point by point; of each the chroma of the upper row, green, the chroma of the lower row.
     bend : ``Out(BEND)``
         As of :class:`Direction`, after ``bend_latency`` clocks.
     """
@@ -186,96 +189,90 @@ class DirectionalPoints(WindowDecoder):
     def elaborate(self, platform):
         m = super().elaborate(platform)
         m.submodules.direction = self._direction
-        m.d.comb += [self._direction.samples.eq(self.samples),
+        m.d.comb += [self._direction.samples.eq(self.samples), self._direction.mono.eq(self.mono),
                      self.bend.eq(self._direction.bend)]
         return m
 
     @staticmethod
     def _fours(m, name, sums, keys):
-        """Sums of two pairs each, one clock after those."""
-        return sums | {key: pipeline.register(m, f"{name}_{key}", sums[f"{key}0"] + sums[f"{key}1"])
-                       for key in keys}
+        """Sums of two pairs each, in cycle 2."""
+        return {key: pipeline.register(m, f"{name}_{key}", sums[f"{key}0"] + sums[f"{key}1"])
+                for key in keys}
 
     def _at_green(self, m, name, sums):
         """Chroma of the same row, green, chroma of the other row."""
-        direction = self._direction.o
-        sums = self._fours(m, name, sums, ("D", "Kv", "Kh"))
-        own = self._own(m, name, sums["c"])
-        same = self._at_green_along(m, f"{name}_h", sums, "H", "Q", "Kv", direction,
-                                    direction.minus)
-        other = self._at_green_along(m, f"{name}_v", sums, "V", "P", "Kh", direction,
-                                     ~direction.minus)
-        return same, self._later(m, name, own), other
+        register, step = partial(pipeline.register, m), self._direction.o
+        c, fours = sums["c"], self._fours(m, name, sums, ("D", "Kv", "Kh"))
+        # Cycle 3: what both lines have in common.
+        rest = register(f"{name}_rest", (register(f"{name}_c1", c) << 2) - fours["D"])
+        same, other = (
+            self._at_green_along(m, f"{name}_{near}", (c, sums[near], sums[far], fours[knights]),
+                                 rest, minus) for near, far, knights, minus in
+            (("H", "Q", "Kv", step.minus), ("V", "P", "Kh", ~step.minus)))
+        return same, self._own(m, name, c), other
 
-    def _at_green_along(self, m, name, sums, near, far, knights, direction, minus):
-        """a + b + s (a - b) with the sums named."""
+    def _at_green_along(self, m, name, sums, rest, minus):
+        """a + b + s (a - b) with the sums along and across the line."""
         register = partial(pipeline.register, m)
-        c, near, far = (sums[key] for key in ("c", near, far))
+        c, near, far, knights = sums
+        # Cycle 2.
+        a = register(f"{name}_a2", (near << 2) - far)
+        c2, near2 = register(f"{name}_c2", c), register(f"{name}_near2", near)
+        # Cycle 3.
+        a = register(f"{name}_a3", a + (c2 << 1))
+        b = register(f"{name}_b3", knights + (near2 << 1))
         # Cycle 4.
-        a = register(f"{name}_a0", (near << 2) - far)
-        b = register(f"{name}_b0", (c << 2) + near)
-        twice_c = register(f"{name}_c2", c << 1)
+        a, b = register(f"{name}_a4", a), register(f"{name}_b4", b + (rest << 1))
         # Cycle 5.
-        a = register(f"{name}_a1", a + twice_c)
-        rest = register(f"{name}_k", sums[knights] - (sums["D"] << 1))
-        b = register(f"{name}_b1", b << 1)
-        # Cycle 6.
-        a, b = register(f"{name}_a2", a), register(f"{name}_b2", b + rest)
-        # Cycle 7.
         mean, step = register(f"{name}_mean", a + b), register(f"{name}_step", a - b)
-        return self._stepped(m, name, mean, step, direction, minus)
+        return self._stepped(m, name, self._late(m, mean), self._late(m, step), minus)
 
     def _at_chroma(self, m, name, sums):
         """The own chroma, green, the other chroma."""
-        direction = self._direction.o
-        sums = self._fours(m, name, sums, ("D",))
-        register = partial(pipeline.register, m)
+        register, minus = partial(pipeline.register, m), self._direction.o.minus
         c, h, v, p, q = (sums[key] for key in "cHVPQ")
-        # Cycle 4.
+        # Cycle 2.
         near, across = register(f"{name}_near", h + v), register(f"{name}_hv", h - v)
         far, bend = register(f"{name}_far", p + q), register(f"{name}_qp", q - p)
-        fourfold = register(f"{name}_c4", c << 2)
-        # Cycle 5.
-        t = register(f"{name}_t", fourfold - far)
+        diagonal, c2 = self._fours(m, name, sums, ("D",))["D"], register(f"{name}_c2", c)
+        # Cycle 3.
+        t = register(f"{name}_t", (c2 << 2) - far)
         thrice = register(f"{name}_hv3", (across << 1) + across)
-        bend, near = register(f"{name}_qp1", bend), register(f"{name}_near1", near)
-        diagonal = register(f"{name}_D1", sums["D"])
-        # Cycle 6.
+        bend, near = register(f"{name}_qp3", bend), register(f"{name}_near3", near)
+        diagonal = register(f"{name}_D3", diagonal)
+        # Cycle 4.
         half_more = register(f"{name}_t15", t + (t >> 1))
-        e = register(f"{name}_e", thrice - bend)
-        other = register(f"{name}_other", (diagonal << 1) + t) << 1
-        near = register(f"{name}_near2", near)
-        # Cycle 7.
+        step = register(f"{name}_e", thrice - bend)
+        other = register(f"{name}_other", (diagonal << 1) + t)
+        near = register(f"{name}_near4", near)
+        # Cycle 5.
         green = register(f"{name}_green", (near << 2) + half_more)
-        e, other = register(f"{name}_e1", e), register(f"{name}_other1", other)
-        own = self._own(m, name, c)
+        step, other = register(f"{name}_e5", step), register(f"{name}_other5", other)
+        green, step, other = (self._late(m, value) for value in (green, step, other))
         # A grey sample has no step and its own value in green.
-        green = Mux(self.mono, own, green)
-        e_here = Mux(self.mono, 0, e)
-        return (self._later(m, name, own),
-                self._stepped(m, f"{name}_g", green, e_here, direction, direction.minus),
-                self._stepped(m, f"{name}_x", other, e, direction, direction.minus, 1))
+        grey = delay(m, c, 7, f"{name}_grey") << 4
+        return (self._own(m, name, c),
+                self._stepped(m, f"{name}_g", Mux(self.mono, grey, green), step, minus),
+                self._stepped(m, f"{name}_x", other, step, minus) << 1)
 
     @staticmethod
-    def _own(m, name, c):
-        """16 c of cycle 7 for a sample of cycle 3."""
-        return delay(m, c, 4, f"{name}_own") << 4
+    def _late(m, value):
+        """A ``value`` of cycle 5 in cycle 8, when the direction is known."""
+        return delay(m, value, Direction.latency - 5, f"{value.name}_late")
 
-    @staticmethod
-    def _later(m, name, own):
-        """The own colour of cycle 7, in cycle 9."""
-        return pipeline.register(m, f"{name}_own_o", delay(m, own[4:], 1, f"{name}_own8") << 4,
-                                 _POINTS.elem_shape)
+    def _own(self, m, name, c):
+        """The own colour of a point with the sample ``c`` of cycle 1."""
+        return delay(m, c, self.latency - 1, f"{name}_own") << 4
 
-    @staticmethod
-    def _stepped(m, name, value, step, direction, minus, shift=0):
-        """``value`` + s ``step`` << ``shift``, both of cycle 7."""
-        register = partial(pipeline.register, m)
-        # Cycle 8: s times the step but for the carry of its sign.
+    def _stepped(self, m, name, value, step, minus):
+        """``value`` + s ``step``, both of cycle 8; ``minus``: the sign of s."""
+        register, direction = partial(pipeline.register, m), self._direction.o
+        # Cycle 9: s times the step but for the carry of its sign.
         chosen = Mux(direction.whole, step, Mux(direction.half, step >> 1, 0))
         value = register(f"{name}_v", value)
         inverted = register(f"{name}_i", chosen ^ minus.replicate(len(chosen)),
                             signed(len(chosen)))
         carry = register(f"{name}_n", minus)
-        # Cycle 9.
-        return register(f"{name}_o", value + ((inverted + carry) << shift), _POINTS.elem_shape)
+        # Cycle 10.
+        total = (Cat(1, value).as_signed() + Cat(carry, inverted).as_signed()) >> 1
+        return register(f"{name}_o", total, signed(_POINTS.elem_shape.width))

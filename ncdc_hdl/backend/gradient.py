@@ -26,10 +26,9 @@ class GradientPoints(WindowDecoder):
         chroma at green    10 c + 8 H - 2 D - 2 Q + P             that of the same row
                            10 c + 8 V - 2 D - 2 P + Q             that of the other row
 
-    Nothing is rounded or clamped. So that each kernel is needed once, the points of a row are
-    output green first. ``reversed`` is high if that is not their order from left to right. The
-    chroma of the upper row comes first among the colours; it is blue if ``swapped``. Otherwise
-    equal bit for bit to ``ncdc_model.golden.picture.gradient_colours``.
+    Nothing is rounded or clamped. The chroma of the upper row comes first among the colours: it is
+    red or blue as that row's samples are. Otherwise equal bit for bit to
+    ``ncdc_model.golden.picture.gradient_colours``.
 
     With a grey sensor (``mono``) green is that of ``ncdc_model.golden.picture.grey_corners``. The
     other two colours have no meaning: at chroma, H and V are replaced by c, P and Q by zero, which
@@ -40,57 +39,51 @@ class GradientPoints(WindowDecoder):
     Members
     -------
     samples : ``In(ArrayLayout(8, 24))``
-        The samples of ``GRADIENT.samples``.
-    red_column, red_row : ``In(1)``
-        Whether the first point's sample is in a column, a row, that holds red samples.
+        The samples of ``GRADIENT.samples``; that of the first point is green.
     mono : ``In(1)``
         Whether the sensor is grey; constant during a frame.
     o : ``Out(ArrayLayout(signed(14), 12))``
-        Row by row, in each the green sample, then the chroma sample; for each the chroma of the
-        upper row, green, the chroma of the lower row.
-    reversed : ``Out(2)``
-        For each row, whether its chroma sample is left of the green one.
-    swapped : ``Out(1)``
+        Point by point; for each the chroma of the upper row, green, the chroma of the lower row.
     """
 
-    latency = 6
+    latency = 4
 
     def __init__(self):
         super().__init__(GRADIENT, _POINTS)
 
     def _at_green(self, m, name, sums):
-        """Chroma of the same row, green, chroma of the other row; 3 clocks later."""
+        """Chroma of the same row, green, chroma of the other row."""
         c, h, v, p, q = (sums[key] for key in "cHVPQ")
-        # Cycle 4.
+        # Cycle 2.
         diagonal = register(m, f"{name}_D", sums["D0"] + sums["D1"])
         five = register(m, f"{name}_c5", (c << 2) + c)
         along = register(m, f"{name}_h0", (h << 3) + p)
         across = register(m, f"{name}_v0", (v << 3) + q)
         p, q = register(m, f"{name}_P3", p), register(m, f"{name}_Q3", q)
-        # Cycle 5.
+        # Cycle 3.
         common = register(m, f"{name}_k", five - diagonal)
         along = register(m, f"{name}_h1", along - (q << 1))
         across = register(m, f"{name}_v1", across - (p << 1))
-        # Cycle 6.
+        # Cycle 4.
         return (self._last(m, f"{name}_h", along + (common << 1)),
                 self._last(m, f"{name}_own", delay(m, c, 2, f"{name}_c") << 4),
                 self._last(m, f"{name}_v", across + (common << 1)))
 
     def _at_chroma(self, m, name, sums):
-        """The own chroma, green, the other chroma; 3 clocks later."""
+        """The own chroma, green, the other chroma."""
         c, h, v, p, q = (sums[key] for key in "cHVPQ")
-        # Cycle 4.
+        # Cycle 2.
         diagonal = register(m, f"{name}_D", sums["D0"] + sums["D1"])
         near = register(m, f"{name}_near", Mux(self.mono, c, h) + Mux(self.mono, c, v))
         far = register(m, f"{name}_far", Mux(self.mono, 0, p) + Mux(self.mono, 0, q))
         three = register(m, f"{name}_c3", (c << 1) + c)
         once = register(m, f"{name}_c1", c)
-        # Cycle 5.
+        # Cycle 3.
         green = register(m, f"{name}_g1", (once << 1) + near)
         other = register(m, f"{name}_o1", three + diagonal)
         thrice = register(m, f"{name}_far3", (far << 1) + far)
         twice = register(m, f"{name}_far2", far << 1)
-        # Cycle 6.
+        # Cycle 4.
         return (self._last(m, f"{name}_own", register(m, f"{name}_c2", once) << 4),
                 self._last(m, f"{name}_g", (green << 2) - twice),
                 self._last(m, f"{name}_o", (other << 2) - thrice))

@@ -95,20 +95,23 @@ class Interpolator(wiring.Component):
             m.submodules[f"bayer{k}"] = bayer
             m.submodules[f"bilinear{k}"] = bilinear
             m.d.comb += [
-                bayer.samples.eq(window.samples),
-                bayer.red_column.eq(~(window.odd_column ^ self.phase[0])),
-                bayer.red_row.eq(~(window.odd_row ^ self.phase[1])),
-                bilinear.i.eq(bayer.o),
-                bilinear.fx.eq(delay(m, window.fx, bayer.latency, f"fx{k}")),
+                bayer.samples.eq(window.samples), bilinear.i.eq(bayer.o),
                 bilinear.fy.eq(delay(m, window.fy, bayer.latency, f"fy{k}")),
             ]
             blank = delay(m, window.blank, self.latency, f"blank{k}")
-            colours = Cat(bilinear.o[2], bilinear.o[1], bilinear.o[0])
-            if self.interpolation != FAST:
-                m.d.comb += [bayer.mono.eq(self.mono), bilinear.reversed.eq(bayer.reversed)]
-                swapped = delay(m, bayer.swapped, bilinear.latency, f"swapped{k}")
+            not_red_row = window.odd_row ^ self.phase[1]
+            fx, colours = window.fx, Cat(bilinear.o[2], bilinear.o[1], bilinear.o[0])
+            if self.interpolation == FAST:
+                m.d.comb += [bayer.red_column.eq(~(window.odd_column ^ self.phase[0])),
+                             bayer.red_row.eq(~not_red_row)]
+            else:
+                m.d.comb += bayer.mono.eq(self.mono)
+                # From the right, the position is 1 - fx.
+                fx = Mux(window.flipped, (1 << self.f_bits) - fx, fx)[:len(bilinear.fx)]
+                swapped = delay(m, not_red_row, bayer.latency + bilinear.latency, f"swapped{k}")
                 colours = Mux(swapped, Cat(bilinear.o[0], bilinear.o[1], bilinear.o[2]), colours)
                 colours = Mux(self.mono, bilinear.o[1].replicate(3), colours)
+            m.d.comb += bilinear.fx.eq(delay(m, fx, bayer.latency, f"fx{k}"))
             if self.interpolation == DIRECTIONAL:
                 self._crest(m, k, window)
             if self.colours:

@@ -33,9 +33,14 @@ def request_layout(f_bits, lanes=1, interpolation=FAST):
 def window_layout(f_bits, lanes=1, interpolation=FAST):
     """A fetched window: the samples that ``interpolation`` uses, row by row, parity of the
     sample of the first point, the pixel's position, whether the pixel is blank; ``lanes`` of
-    them as :func:`ncdc_hdl.lib.groups.grouped`."""
+    them as :func:`ncdc_hdl.lib.groups.grouped`.
+
+    Windows with a margin are ``flipped`` where the first point is red or blue: the samples of each
+    row come right to left, so that the sample in row and column ``margin`` is always green.
+    """
     samples = data.ArrayLayout(8, len(interpolation.samples))
-    return grouped({"samples": samples, "odd_column": 1, "odd_row": 1,
+    column = "flipped" if interpolation.margin else "odd_column"
+    return grouped({"samples": samples, column: 1, "odd_row": 1,
                     "fx": f_bits, "fy": f_bits, "blank": 1}, lanes)
 
 

@@ -158,10 +158,14 @@ def test_windows_are_cut_from_the_samples(needs, word_bytes):
                             "after": int(rng.integers(0, 2))} for name in "xy"}
             for name, edge in edges.items() if needs.margin else ():
                 ctx.set(getattr(align, f"edge_{name}"), edge)
+            flip = int(rng.integers(0, 2)) if needs.margin else 0
+            if needs.margin:
+                ctx.set(align.flip, flip)
             await ctx.tick().repeat(align.latency)
             assert [ctx.get(sample) for sample in align.o] == [
                 block[(y - needs.margin + inside(j, edges["y"])) % rows,
-                      (x - needs.margin + inside(i, edges["x"])) % columns]
-                for j, i in needs.samples], (x, y, edges)
+                      (x - needs.margin + inside(needs.window - 1 - i if flip else i, edges["x"]))
+                      % columns]
+                for j, i in needs.samples], (x, y, edges, flip)
 
     run_bench(align, cut)

@@ -8,7 +8,7 @@ from memory import read_agent
 from ncdc_spec.interpolation import FAST
 from pipelines import get, put, run_bench
 
-__all__ = ["BASE", "Pauses", "check_windows"]
+__all__ = ["BASE", "Pauses", "check_windows", "flipped"]
 
 BASE = 64       # byte address of the raw frame
 
@@ -25,6 +25,11 @@ class Pauses:
     latency: tuple[int, int]
 
 
+def flipped(x0, y0, phase):
+    """Whether the window at (x0, y0) comes right to left: its first point is not green."""
+    return 1 - (x0 + y0 + phase[0] + phase[1]) % 2
+
+
 def _edge(first, size, needs):
     """How much of a window is outside of a frame of ``size`` columns, or rows."""
     before, beyond = needs.margin - first, first + needs.after - (size - 1)
@@ -32,14 +37,15 @@ def _edge(first, size, needs):
 
 
 def check_windows(dut, raw, positions, rng, pauses, *, margin=64, needs=FAST, width=None,
-                  held=None, **controls):
+                  phase=(0, 0), held=None, **controls):
     """Fetch windows of ``raw`` (height, pitch) with ``dut`` and compare every field of each.
 
     ``positions``: x0, y0, blank of the windows, in order. ``margin``: bytes of memory after the
     frame. ``needs``: the interpolation; of one whose windows may leave the frame, ``width`` are its
-    columns that count. ``held``: the samples that the fetcher makes of ``raw``, by default the
-    same. ``controls``: further inputs of the fetcher, by name. Returns the number of reads that it
-    counts and the commands (address, words) of each of its ports.
+    columns that count, and ``phase`` is the parity of the red samples. ``held``: the samples that
+    the fetcher makes of ``raw``, by default the same. ``controls``: further inputs of the fetcher,
+    by name. Returns the number of reads that it counts and the commands (address, words) of each of
+    its ports.
     """
     x0, y0, blank = positions
     count, pitch = len(x0), raw.shape[1]
@@ -49,6 +55,7 @@ def check_windows(dut, raw, positions, rng, pauses, *, margin=64, needs=FAST, wi
     framed = raw if held is None else held
     if needs.margin:
         framed = np.pad(framed[:, :width], needs.margin, mode="reflect")
+        controls["phase"] = phase[0] | phase[1] << 1
         for item in items:
             item["edge_x"] = _edge(item["x0"], width, needs)
             item["edge_y"] = _edge(item["y0"], raw.shape[0], needs)
@@ -76,7 +83,13 @@ def check_windows(dut, raw, positions, rng, pauses, *, margin=64, needs=FAST, wi
         assert (window.fx, window.fy, window.blank) == (k, 1023 - k, blank[k])
         assert (window.first, window.last) == (k == 0, k == count - 1)
         if not blank[k]:
-            expected = [framed[y0[k] + j, x0[k] + i] for j, i in needs.samples]
+            window_samples = framed[y0[k]:y0[k] + needs.window, x0[k]:x0[k] + needs.window]
+            assert window.odd_row == y0[k] & 1
+            if needs.margin:
+                assert window.flipped == flipped(x0[k], y0[k], phase), f"window {k}"
+                window_samples = window_samples[:, ::-1] if window.flipped else window_samples
+            else:
+                assert window.odd_column == x0[k] & 1
+            expected = [window_samples[j, i] for j, i in needs.samples]
             assert list(window.samples) == expected, f"window {k}"
-            assert (window.odd_column, window.odd_row) == (x0[k] & 1, y0[k] & 1)
     return sum(fetched), logs

@@ -36,6 +36,8 @@ class _Align(wiring.Component):
         Low bits of the sample of the first point.
     edge_x, edge_y : ``In(edge_layout(interpolation))``
         Missing columns and rows, for windows with a margin.
+    flip : ``In(1)``
+        Whether the columns come right to left, for windows with a margin.
     o : ``Out(ArrayLayout(8, n))``
     """
 
@@ -48,7 +50,8 @@ class _Align(wiring.Component):
             "x": In(ceil_log2(max(TILE_WIDTH, COLUMNS * word_bytes))),
             "y": In(ceil_log2(interpolation.box_rows)),
             "o": Out(data.ArrayLayout(8, len(interpolation.samples))),
-        } | {name: In(layout) for name, layout in layouts.items()})
+        } | {name: In(layout) for name, layout in layouts.items()}
+            | ({"flip": In(1)} if layouts else {}))
 
 
 class Align(_Align):
@@ -104,15 +107,19 @@ class AlignMirrored(_Align):
                 m.d.sync += r.eq(value)
             return r
 
-        def positions(name, first, edge):
+        def positions(name, first, edge, flip=Const(0)):
             """For each column or row of the window, its position among four, after a shift.
 
-            ``first``: where the window begins, modulo 8.
+            ``first``: where the window begins, modulo 8. ``flip``: whether they come in reverse.
             """
             found = []
+            # In reverse, all columns have the other parity.
+            begin = Signal(bits - 1, name=f"{name}_begin")
+            m.d.comb += begin.eq((first + flip) >> 1)
             for k in range(needs.window):
                 position = Signal(bits - 1, name=f"{name}{k}_position")
-                m.d.comb += position.eq(first[1:] + self._inside(k, edge)[1:])
+                other = self._inside(needs.window - 1 - k, edge)[1:] - k % 2
+                m.d.comb += position.eq(begin + Mux(flip, other, self._inside(k, edge)[1:]))
                 found.append(register(f"{name}{k}", position))
             return found
 
@@ -132,17 +139,19 @@ class AlignMirrored(_Align):
                 bytes_of[j].append(register(f"w_{j}{k}", chosen(values, row[:1])))
         w_rows = positions("w_row", row, self.edge_y)
         w_column, w_edge = register("w_column", column[:bits]), register("w_edge", self.edge_x)
+        w_flip = register("w_flip", self.flip)
         # Stage 2: the rows.
         rows = [register(f"r_{j}", chosen([Cat(each) for each in bytes_of[j % 2::2]], position))
                 for j, position in enumerate(w_rows)]
         r_column, r_edge = register("r_column", w_column), register("r_edge", w_edge)
-        # Stage 3: columns by one or not.
+        r_flip = register("r_flip", w_flip)
+        # Stage 3: columns by one or not; as the parity of the first one is, or of the last one.
         turned = []
         for j, value in enumerate(rows):
             samples = [value.word_select(k, 8) for k in range(ring)]
             turned.append([register(f"c_{j}{k}", chosen(
-                [samples[k], samples[(k + 1) % ring]], r_column[:1])) for k in range(ring)])
-        c_columns = positions("c_column", r_column, r_edge)
+                [samples[k], samples[(k + 1) % ring]], r_column[:1] ^ r_flip)) for k in range(ring)])
+        c_columns = positions("c_column", r_column, r_edge, r_flip)
         # Stage 4: the columns.
         for k, (j, i) in enumerate(needs.samples):
             with m.If(self.shift & self.take):

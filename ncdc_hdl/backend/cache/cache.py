@@ -55,6 +55,8 @@ class Cache(wiring.Component):
         Gains of the raw samples, constant during a frame; only with ``raw_balance``.
     split : ``In``
         log2 Kx of the index rule, constant during a frame.
+    phase : ``In(2)``
+        (column, row) parity of the red samples, constant during a frame, for windows with a margin.
     memory_rst : ``In(1)``
         As in :class:`ncdc_hdl.avalon.read_commands.ReadCommands`.
     i : ``In(stream.Signature(request_layout(f_bits, lanes, options.interpolation)))``
@@ -92,7 +94,7 @@ class Cache(wiring.Component):
             "o": Out(stream.Signature(window_layout(f_bits, lanes, needs))),
             "bus0": Out(ReadHost(data_width, self.fills.burst)),
             "fetched": Out(1), "waiting": Out(1), "stalls": Out(stalls_layout()),
-        })
+        } | ({"phase": In(2)} if needs.margin else {}))
 
     @property
     def start_latency(self):
@@ -128,4 +130,6 @@ class Cache(wiring.Component):
             self.fetched.eq(tags.claim), self.waiting.eq(retire.waiting),
             self.stalls.eq(tags.stalls),
         ]
+        if self.options.interpolation.margin:
+            m.d.comb += retire.phase.eq(self.phase)
         return m

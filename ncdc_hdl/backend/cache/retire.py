@@ -43,6 +43,8 @@ class Retire(wiring.Component):
         The oldest look-up reads its samples in this clock: its tiles may be replaced.
     waiting : ``Out(1)``
         The oldest look-up waits for a tile.
+    phase : ``In(2)``
+        (column, row) parity of the red samples, constant during a frame, for windows with a margin.
     shift, box, samples :
         To the tile memory, as in :class:`Tiles`.
     o : ``Out(stream.Signature(window_layout(f_bits, lanes, ...)))``
@@ -69,7 +71,7 @@ class Retire(wiring.Component):
             "box": Out(box_layout(options, word_bytes)),
             "samples": In(samples_layout(word_bytes, options.interpolation)),
             "o": Out(stream.Signature(window_layout(f_bits, lanes, options.interpolation))),
-        })
+        } | ({"phase": In(2)} if options.interpolation.margin else {}))
 
     @property
     def retire_to_window(self):
@@ -185,9 +187,18 @@ class Retire(wiring.Component):
             ]
             with m.If(shift & take):
                 m.d.sync += [
-                    out.odd_column.eq(w.lane[k].x), out.odd_row.eq(w.lane[k].y),
-                    out.fx.eq(w.lane[k].fx), out.fy.eq(w.lane[k].fy),
-                    out.blank.eq(w.lane[k].blank)]
+                    out.odd_row.eq(w.lane[k].y), out.fx.eq(w.lane[k].fx),
+                    out.fy.eq(w.lane[k].fy), out.blank.eq(w.lane[k].blank)]
+                if self.options.interpolation.margin:
+                    m.d.sync += out.flipped.eq(self._flipped(w.lane[k]))
+                else:
+                    m.d.sync += out.odd_column.eq(w.lane[k].x)
+            if self.options.interpolation.margin:
+                m.d.comb += align.flip.eq(self._flipped(s.lane[k]))
+
+    def _flipped(self, lane):
+        """Whether the sample of a lane's first point is red or blue."""
+        return ~(lane.x[0] ^ lane.y[0] ^ self.phase.xor())
 
     @staticmethod
     def _enough(balance):

@@ -88,7 +88,7 @@ struct Pixel { std::uint32_t x = 0, y = 0; bool blank = false; };
 struct Group { Pixel lane[kLanes]; bool first, last; std::uint32_t number; };
 
 struct Frame {
-    std::uint32_t base, limit, pitch, split, width, height, area_x, area_y, area_w, area_h;
+    std::uint32_t base, limit, pitch, split, phase, width, height, area_x, area_y, area_w, area_h;
     int pattern, blank, gap, stall, wait, latency, pause;
     std::uint64_t groups, reset_after;
 };
@@ -115,6 +115,9 @@ public:
         choose(limit);
         dut->base = f.base, dut->pitch = f.pitch, dut->split = f.split;
         dut->limit = f.limit, dut->height = f.height;
+#if NCDC_MARGIN
+        dut->phase = f.phase;
+#endif
         held.assign(kBanks * kSets, -1);
         sent = done = 0;
         x = f.area_x, y = f.area_y;
@@ -140,7 +143,7 @@ private:
         f.pitch = (f.width + 15) / 16 * 16 + 16 * random.below(8);
         int splits = 1;
         while (1 << splits < 2 * kSets) splits++;
-        f.split = random.below(splits);
+        f.split = random.below(splits), f.phase = random.below(4);
         const int scale = 1 << random.between(2, 12);
         f.area_w = std::min<std::uint32_t>(f.width - (kCore - 1), scale);
         f.area_h = std::min<std::uint32_t>(f.height - (kCore - 1),
@@ -354,14 +357,21 @@ private:
                      == (((group.number >> kFraction) ^ k) & mask);
             right &= bits(window, O_BLANK + at, 1) == p.blank;
             if (p.blank) continue;
-            right &= bits(window, O_ODD_COLUMN + at, 1) == (p.x & 1);
             right &= bits(window, O_ODD_ROW + at, 1) == (p.y & 1);
+#if NCDC_MARGIN
+            // The sample of the first point is red or blue: right to left.
+            const bool flipped = !((p.x ^ p.y ^ f.phase ^ f.phase >> 1) & 1);
+            right &= bits(window, O_FLIPPED + at, 1) == flipped;
+#else
+            const bool flipped = false;
+            right &= bits(window, O_ODD_COLUMN + at, 1) == (p.x & 1);
+#endif
             int n = 0;
             for (int j = 0; j < kCore + 2 * kMargin; j++) {
                 for (int i = 0; i < kCore + 2 * kMargin; i++) {
                     if (away(j) + away(i) > kMargin) continue;
                     const int below = static_cast<int>(p.y) - kMargin + j;
-                    const int across = static_cast<int>(p.x) - kMargin + i;
+                    const int across = static_cast<int>(p.x) + (flipped ? kAfter - i : i - kMargin);
                     const std::uint32_t row = inside(below, f.height);
                     const std::uint32_t column = inside(across, f.width);
                     right &= bits(window, O_SAMPLES + at + 8 * n++, 8)
