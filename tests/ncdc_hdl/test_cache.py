@@ -69,7 +69,8 @@ def test_windows_and_misses(data_width, options, split, pauses, near):
     needs = options.interpolation
     found = positions(rng, count, near, needs.core)
     fetched, (log,) = check_windows(Cache(F, data_width, options), raw, found, rng, pauses,
-                                    margin=4 * pitch, needs=needs, width=WIDTH, split=split, phase=(split & 1, 0))
+                                    margin=4 * pitch, needs=needs, width=WIDTH,
+                                    phase=(split & 1, 0), split=split)
     expected = misses(*found, options, split)
     assert near or len(expected) > 2 * options.tiles
     assert fetched == len(expected)

@@ -1,5 +1,7 @@
 """Cuts a window out of the samples of the tile memory."""
 
+from functools import partial
+
 from amaranth import *
 from amaranth.lib import data, wiring
 from amaranth.lib.wiring import In, Out
@@ -100,29 +102,7 @@ class AlignMirrored(_Align):
         ring = needs.box_rows                   # columns that are chosen, as many as rows
         bits = ceil_log2(ring)
 
-        def register(name, value):
-            """``value`` after the next shift."""
-            r = Signal.like(value, name=name, reset_less=True)
-            with m.If(self.shift):
-                m.d.sync += r.eq(value)
-            return r
-
-        def positions(name, first, edge, flip=Const(0)):
-            """For each column or row of the window, its position among four, after a shift.
-
-            ``first``: where the window begins, modulo 8. ``flip``: whether they come in reverse.
-            """
-            found = []
-            # In reverse, all columns have the other parity.
-            begin = Signal(bits - 1, name=f"{name}_begin")
-            m.d.comb += begin.eq((first + flip) >> 1)
-            for k in range(needs.window):
-                position = Signal(bits - 1, name=f"{name}{k}_position")
-                other = self._inside(needs.window - 1 - k, edge)[1:] - k % 2
-                m.d.comb += position.eq(begin + Mux(flip, other, self._inside(k, edge)[1:]))
-                found.append(register(f"{name}{k}", position))
-            return found
-
+        register = partial(self._register, m)
         # The first column and row of the window, their low bits.
         across = COLUMNS * self.word_bytes // ring      # rings side by side in the samples
         column, row = Signal(bits + ceil_log2(across)), Signal(bits)
@@ -137,7 +117,7 @@ class AlignMirrored(_Align):
                 values = [chosen(list(samples)[k::ring], which)
                           for samples in (self.samples[j], self.samples[(j + 1) % ring])]
                 bytes_of[j].append(register(f"w_{j}{k}", chosen(values, row[:1])))
-        w_rows = positions("w_row", row, self.edge_y)
+        w_rows = self._positions(m, "w_row", row, self.edge_y)
         w_column, w_edge = register("w_column", column[:bits]), register("w_edge", self.edge_x)
         w_flip = register("w_flip", self.flip)
         # Stage 2: the rows.
@@ -145,18 +125,42 @@ class AlignMirrored(_Align):
                 for j, position in enumerate(w_rows)]
         r_column, r_edge = register("r_column", w_column), register("r_edge", w_edge)
         r_flip = register("r_flip", w_flip)
-        # Stage 3: columns by one or not; as the parity of the first one is, or of the last one.
-        turned = []
+        # Stage 3: columns by one or not, as the first one that is put out is even or odd.
+        turned, by_one = [], r_column[:1] ^ r_flip
         for j, value in enumerate(rows):
             samples = [value.word_select(k, 8) for k in range(ring)]
             turned.append([register(f"c_{j}{k}", chosen(
-                [samples[k], samples[(k + 1) % ring]], r_column[:1] ^ r_flip)) for k in range(ring)])
-        c_columns = positions("c_column", r_column, r_edge, r_flip)
+                [samples[k], samples[(k + 1) % ring]], by_one)) for k in range(ring)])
+        c_columns = self._positions(m, "c_column", r_column, r_edge, r_flip)
         # Stage 4: the columns.
         for k, (j, i) in enumerate(needs.samples):
             with m.If(self.shift & self.take):
                 m.d.sync += self.o[k].eq(chosen(turned[j][i % 2::2], c_columns[i]))
         return m
+
+    def _register(self, m, name, value):
+        """``value`` after the next shift."""
+        r = Signal.like(value, name=name, reset_less=True)
+        with m.If(self.shift):
+            m.d.sync += r.eq(value)
+        return r
+
+    def _positions(self, m, name, first, edge, flip=Const(0)):
+        """For each column or row of the window, its position among four, after a shift.
+
+        ``first``: where the window begins, modulo 8. ``flip``: whether they come in reverse.
+        """
+        found, last = [], self.interpolation.window - 1
+        # In reverse, all of them have the other parity.
+        begin = Signal(len(first) - 1, name=f"{name}_begin")
+        m.d.comb += begin.eq((first + flip) >> 1)
+        for k in range(last + 1):
+            position = Signal(len(begin), name=f"{name}{k}_position")
+            inside = Mux(flip, self._inside(last - k, edge)[1:] - k % 2,
+                         self._inside(k, edge)[1:])
+            m.d.comb += position.eq(begin + inside)
+            found.append(self._register(m, f"{name}{k}", position))
+        return found
 
     def _inside(self, k, edge):
         """Row or column k of the window; outside the frame its mirror image inside."""
