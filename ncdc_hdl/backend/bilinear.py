@@ -112,6 +112,6 @@ class Bilinear(wiring.Component):
         # Cycle 11: round.
         added = self.crest if self.crested else Const(_HALF)
         rounded = pipeline.register(m, f"r{colour}", total + added) >> row_bits
-        # Cycle 12: clamp.
-        m.d.sync += self.o[colour].eq(
-            Mux(rounded < 0, 0, rounded[:8] | (rounded > 255).replicate(8)))
+        # Cycle 12: clamp, by the bits above a byte: a comparison would be a chain of carries.
+        negative, above = rounded[-1], rounded[8:-1].any()
+        m.d.sync += self.o[colour].eq(Mux(negative, 0, rounded[:8] | above.replicate(8)))

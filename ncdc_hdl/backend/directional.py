@@ -128,7 +128,7 @@ class Crest(wiring.Component):
     o : ``Out(signed(14))``
     """
 
-    latency = 4
+    latency = 5
 
     def __init__(self, f_bits):
         super().__init__({"bend": In(BEND), "fx": In(f_bits), "fy": In(f_bits),
@@ -141,13 +141,14 @@ class Crest(wiring.Component):
         for axis, bend, fraction in (("x", self.bend.x, self.fx), ("y", self.bend.y, self.fy)):
             # Cycle 1: eighths of 2 f or of 2 (1 - f), whichever is smaller.
             eighth = register(f"eighth_{axis}", fraction[-4:-1] ^ fraction[-1].replicate(3))
-            bend = register(f"bend_{axis}", bend)
-            # Cycle 2: n is 0, 1, 2, 2, 3, 3, 4, 4, as a sum of two.
-            n = Mux(eighth.any(), eighth[1:] + 1, 0)
+            # Cycle 2: n is 0, 1, 2, 2, 3, 3, 4, 4.
+            n = register(f"n_{axis}", Mux(eighth.any(), eighth[1:] + 1, 0))
+            bend = delay(m, bend, 2, f"bend_{axis}")
+            # Cycle 3: n times the bend as a sum of two.
             once = Mux(n[0], bend, Mux(n[2], bend << 1, 0))
             twice = Mux(n[1] | n[2], bend << 1, 0)
             products.append(register(f"product_{axis}", once + twice))
-        # Cycle 3: add. Cycle 4: strength and the half.
+        # Cycle 4: add. Cycle 5: strength and the half.
         total = register("total", sum(products))
         scaled = Mux(self.strength[1], total << 1, Mux(self.strength[0], total, 0))
         m.d.sync += self.o.eq(32 - scaled)
