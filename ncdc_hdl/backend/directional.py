@@ -72,10 +72,10 @@ class Direction(wiring.Component):
         rest = register("rest", Mux(self.mono, 0, difference ^ negative.replicate(
             len(difference)))[:len(h)])
         larger = register("larger", Mux(negative, h, v))
-        # Cycle 8: rest + minus >= (larger + 1) / 2, or a quarter, rounded up.
-        magnitude = Cat(minus, rest)
+        # Cycle 8: rest + minus > larger / 2, or a quarter, rounded down: by the sign of a
+        # difference, after which there is no logic.
         for flag, bits in ((self.o.whole, 1), (self.o.half, 2)):
-            m.d.sync += flag.eq(magnitude > Cat(0, larger[bits:]))
+            m.d.sync += flag.eq((Cat(0, larger[bits:]) - Cat(minus, rest))[-1])
         m.d.sync += self.o.minus.eq(minus)
         return m
 
