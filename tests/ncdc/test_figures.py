@@ -1,6 +1,9 @@
 """Figures that pages quote by name are those of ``docs/figures.json``."""
 
 import json
+import tomllib
+from datetime import date
+from importlib.metadata import version
 from pathlib import Path
 
 import pytest
@@ -17,12 +20,16 @@ from ncdc_bench.figures.quote import (
     rewrite,
     store,
 )
+from ncdc_bench.figures.unnamed import HISTORY, unnamed
 from ncdc_spec.errors import InputError
 
 ROOT = Path(__file__).resolve().parents[2]
 REMEDY = "run python -m ncdc_bench.figures.quote, and look at git diff"
 # Pages whose numbers have no names yet.
 UNNAMED = {"docs/explanation/interpolation.md"}
+CONSTANTS = tomllib.loads(Path(__file__).with_name("page_constants.toml").read_text())
+PAGES = [str(path.relative_to(ROOT)) for path in pages(ROOT)]
+NAMED = [page for page in PAGES if page not in UNNAMED]
 FIGURES = {"bench": {"worst": 0.2468, "rows": {
     "a": {"name": "a", "size": 12345, "mhz": 100.04}, "b": {"name": "b", "size": 7, "mhz": None}}}}
 FORM = "<!--rows=bench.rows | {name} | {size:,} | {mhz:.1f} |-->\n\n"
@@ -68,13 +75,41 @@ def test_every_group_has_its_command_date_and_version():
                for group in groups.values())
 
 
-@pytest.mark.parametrize("page", [path for path in pages(ROOT)
-                                  if str(path.relative_to(ROOT)) not in UNNAMED],
-                         ids=lambda path: str(path.relative_to(ROOT)))
+@pytest.mark.parametrize("page", NAMED)
 def test_no_page_copies_a_figure_without_its_name(page, quoted):
     shown = {text for found in quoted.values() for quote in found if not quote.fields
              for text in quote.shown}
-    assert copies(page.read_text(), quoted[str(page.relative_to(ROOT))], shown) == []
+    assert copies((ROOT / page).read_text(), quoted[page], shown) == []
+
+
+def _constants(page):
+    """Numbers of a page that are no measurements."""
+    return {number for part in (CONSTANTS["all pages"], CONSTANTS.get(page, {}))
+            for numbers in part.values() for number in numbers}
+
+
+@pytest.mark.parametrize("page", NAMED)
+def test_every_measured_number_is_quoted_or_history(page):
+    wrong = [(line, number) for line, number in unnamed((ROOT / page).read_text())
+             if number not in _constants(page)]
+    assert wrong == [], "quote it, write when it was measured, or list it in page_constants.toml"
+
+
+def test_every_constant_is_on_its_page():
+    shown = {page: {number for _, number in unnamed((ROOT / page).read_text())} for page in PAGES}
+    shown["all pages"] = set().union(*shown.values())
+    absent = {(page, number) for page, reasons in CONSTANTS.items()
+              for numbers in reasons.values() for number in numbers
+              if number not in shown.get(page, ())}
+    assert absent == set()
+
+
+def test_history_is_of_a_version_and_a_day_that_were():
+    found = [match.groups() for page in PAGES
+             for match in HISTORY.finditer(" ".join((ROOT / page).read_text().split()))]
+    releases = {"0.1", ".".join(version("ncdc").split(".")[:2])}
+    assert len(found) > 50 and {release for release, _ in found} <= releases
+    assert all(date(2026, 11, 20) <= date.fromisoformat(day) for _, day in found)
 
 
 @pytest.mark.parametrize("right", ["0.25<!--=bench.worst--> px", "(0.2468<!--=bench.worst-->).",
@@ -138,6 +173,51 @@ def test_a_planted_copy_is_found():
     assert copies(page + TABLE, quotes(page + TABLE, FIGURES), shown) == []
 
 
+PAST = "Measured with version 0.1, 2026-11-22"
+MEASURED = "| size | MHz |\n|---|---|\n| 8 | 62.5 |\n"
+PLANTED = [
+    ("It reaches 62.5 MHz.", ["62.5 MHz"]), ("A frame takes\n1,234\nms.", ["1,234 ms"]),
+    ("65.6, 70 and 78.0 MHz", ["65.6 MHz", "70 MHz", "78.0 MHz"]),
+    ("1.2<!--=a.b--> to 3.4 px", ["3.4 px"]), ("- 5 %\n- 6 dB\n", ["5 %", "6 dB"]),
+    (MEASURED, ["62.5 MHz"]), ("| error, px | 0.25 |\n|---|---|\n| worst | 0.5 |", ["0.5 px"]),
+    ("| what | a |\n|---|---|\n| speed, MHz | 7 |", ["7 MHz"]),
+    ("| what | MHz |\n|---|---|\n| a | 80 % |", ["80 %"]),
+    ("| | a | MHz |\n|---|---|---|\n| | | 7 |", ["7 MHz"]),
+    ("<!--rows=a | * | {mhz:.1f} |-->\n\n" + MEASURED.replace("size", "px"), ["8 px"]),
+    (f"{PAST}.\n\n7 px", ["7 px"]), (f"{PAST}:\n\n    code\n\n{MEASURED}", ["62.5 MHz"]),
+    (f"{PAST}:\n\n{MEASURED}\n7 px", ["7 px"]), (f"- {PAST}, 7 px\n- 8 px", ["8 px"]),
+    (f"## A\n\nThis section was {PAST.lower()}.\n\n7 px\n\n## B\n\n8 px", ["8 px"])]
+
+
+@pytest.mark.parametrize("text,numbers", PLANTED)
+def test_a_planted_number_is_found(text, numbers):
+    assert [number for _, number in unnamed(text)] == numbers
+
+
+@pytest.mark.parametrize("text", [
+    "0.25<!--=a.b--> px", "8 neurons, 640x480, 2**-3 s, version 0.2", "    62.5 MHz",
+    "```\n62.5 MHz\n```", f"{PAST}: 62.5 MHz", "Measured\nwith version\n0.1, 2026-11-22: 7 px",
+    f"{PAST}:\n\n{MEASURED}", f"{PAST}:\n\n- 5 px\n- 6 px",
+    "<!--rows=a | {size:d} | {mhz:.1f} |-->\n\n" + MEASURED,
+    "| at 7 MHz | lines |\n|---|---|\n| a | 5 |",
+    f"## A\n\nThis section was {PAST.lower()}.\n\n7 px\n\n{MEASURED}"])
+def test_what_is_accounted_for_is_accepted(text):
+    assert unnamed(text) == []
+
+
+def test_the_line_of_a_number_is_its_own():
+    text = "# A\n\ntext\n5 px,\n6 px\n\n" + MEASURED
+    assert unnamed(text) == [(4, "5 px"), (5, "6 px"), (9, "62.5 MHz")]
+
+
+def test_digits_that_count_are_written_without_an_exponent():
+    form = "<!--rows=bench.rows | {name} | {mhz:.3r} |-->\n\n| name | MSE |\n|---|---|\n"
+    rows = {name: {"name": name, "mhz": value} for name, value in (
+        ("a", 0.00012345), ("b", 9.996), ("c", 123.4), ("d", None))}
+    assert rewrite(form + "| a | 1 |\n", {"bench": {"rows": rows}}).splitlines()[-4:] == [
+        "| a | 0.000123 |", "| b | 10.0 |", "| c | 123 |", "| d | - |"]
+
+
 @pytest.fixture
 def checkout(tmp_path):
     """A copy of the pages, without figures, and a report."""
@@ -190,8 +270,8 @@ def test_a_later_report_changes_the_pages(checkout):
 
 @pytest.mark.parametrize("text,message", [
     (None, "result.json: No such file or directory"), ("{", "result.json is not JSON"),
-    ("[]", "result.json is not a report of demo, train, simulate"),
-    ('{"rows": []}', "result.json is not a report of demo, train, simulate"),
+    ("[]", "result.json is not a report of demo, train"),
+    ('{"rows": []}', "result.json is not a report of demo, train"),
     ('{"blur_px": 1, "rows": [{"picture": "a"}]}',
      "the report of ncdc bench grid tests/data/dots/dot_pattern_06.jpg has no 'sampling'"),
     ('{"rows": [{"max_ulp": 1, "bound_ulp": 2, "exhaustive": false}]}',

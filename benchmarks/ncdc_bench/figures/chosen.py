@@ -8,6 +8,8 @@ import re
 from collections.abc import Callable
 from dataclasses import dataclass
 
+from ncdc_bench.figures import chosen_maps
+
 __all__ = ["GROUPS", "Group", "groups_of"]
 
 
@@ -43,14 +45,78 @@ def _train(report):
             "fixed_minus_float_max": report["fixed_minus_float_max_px"]}
 
 
+def _train_camera(report):
+    """A row for each number of neurons: errors in px, MSE in px²."""
+    return {str(row["hidden_neurons"]): {
+        "neurons": row["hidden_neurons"], "added": row["fixed_minus_float_max_px"],
+        **{f"{kind}_{name}": row[f"map_error_{kind}_px"][name]
+           for kind in ("float", "fixed") for name in ("mse", "max")}}
+        for row in report["rows"]}
+
+
+def _train_points(report):
+    """A row for each trainer: MSE in px², of real numbers."""
+    return {row["trainer"]: {"trainer": row["trainer"], **{
+        name: row[name]["map_error_float_px"]["mse"] for name in ("training", "held_out")}}
+        for row in report["rows"]}
+
+
+def _evaluate(report):
+    """A row for each number of neurons: MSE in px² and largest error in px, of the integers."""
+    return {str(row["hidden_neurons"]): {
+        "neurons": row["hidden_neurons"], "mse": row["map_error_fixed_px"]["mse"],
+        "max": row["map_error_fixed_px"]["max"]} for row in report["rows"]}
+
+
 def _simulate(report):
     return {"compared": report["pixels_compared"], "differ": report["pixels_different"],
             "clocks": report["clocks_per_pixel"], "bytes": report["bytes_read_per_pixel"]}
 
 
-def _simulated(strip):
-    """Whether a report is of ``ncdc simulate`` with strips of this width."""
-    return lambda report: "verilog_lines" not in report and report["strip"] == strip
+def _multiport(report):
+    """A row for each memory and output; "windows" of a frame are read."""
+    rows = {}
+    for row in report["rows"]:
+        stream = row["output"] == "stream"
+        rows[_slug(row["memory"], "stream" * stream)] = {
+            "memory": row["memory"] + ", output to a stream" * stream,
+            "width": row["data_width"], "clocks": row["clocks_per_pixel"],
+            "bytes": row["bytes_read_per_pixel"]}
+    return {"windows": report["rows"][0]["windows_fetched"], "memories": rows}
+
+
+def _follow(report):
+    frame = report["pixels_compared"]       # the camera's frame is as large, a sample per clock
+    return {"latency": report["follow_latency_clocks"], "bound": report["follow_bound_clocks"],
+            "part": 100 * report["follow_latency_clocks"] / frame}
+
+
+def _is_frame(**settings):
+    """Whether a report is of ``ncdc simulate`` with these settings."""
+    return lambda report: "verilog_lines" not in report and all(
+        report[name] == value for name, value in settings.items())
+
+
+def _throughput(report):
+    """Rows as measured; "fast" has those of both fetchers on SDRAM and DDR3, of Table IV."""
+    rows, table_four = {}, {}
+    for row in report["rows"]:
+        lanes, gradient = row["pixels_per_clock"], row["interpolation"] == "gradient"
+        method = row["fetch"] + ", `gradient`" * gradient + (
+            f", {lanes} pixels per clock" if lanes > 1 else "")
+        name = _slug(method, row["memory"], row["width"], row["output"])
+        size = f"{row['width']}x{row['height']}"
+        rows[name] = {
+            "method": method, "frame": f"{size}, lens {row['lens']:g}", "memory": row["memory"],
+            "output": row["output"],
+            "cache": f"{row['cache_bytes'] // 1024} KB" if row["cache_bytes"] else "-",
+            "scan": f"strips of {row['strip']}" if row["strip"] else "raster",
+            "clocks": row["clocks_per_pixel"], "predicted": row["predicted_clocks_per_pixel"],
+            "bytes": row["bytes_read_per_pixel"], "distinct": row["amplification"]}
+        if row["memory"] in ("sdram", "ddr3") and not gradient:
+            table_four[name] = {"method": method, "memory": row["memory"], "size": size,
+                                "output": row["output"], "fps": row["frames_per_second"]}
+    return {"rows": rows, "table_four": table_four}
 
 
 def _tansig(report):
@@ -89,7 +155,8 @@ def _synth(report):
 def _grid(report):
     rows = {}
     for row in report["rows"]:
-        figures = rows.setdefault(_slug(row["picture"], row["sampling"]), {})
+        figures = rows.setdefault(_slug(row["picture"], row["sampling"]), {
+            "picture": row["picture"], "sampling": row["sampling"]})
         name = "psnr_db" if row["grid"] == "even" else "gain_db"
         figures[f"{row['interpolation']}_{row['grid']}"] = row[name]
     return rows
@@ -133,15 +200,41 @@ class Group:
     accepts: Callable = lambda report: True
 
 
+_FRAME = "pixels_compared", "bytes_read_per_pixel"
+_ACCURACY = "lens", "residual", "dots_mse"
+_LENSES = "PC105 PC120 105kb 105br 105dbr 120kb 120br 120dbr"
+
+
+def _has(*models, residual=1):
+    """Whether a report is of ``ncdc bench accuracy`` with these models."""
+    return lambda report: all(row["residual"] == residual for row in report["rows"]) and {
+        row["model"] for row in report["rows"]} == set(models)
+
+
 GROUPS = {
     "demo": Group("ncdc demo", ("verilog_lines", "straightness_before_rms_px"), _demo),
     "train": Group("ncdc train demo/points.json --neurons 8 --size 640x480",
-                   ("training", "held_out", "beyond_points"), _train),
+                   ("training", "held_out", "beyond_points"), _train,
+                   lambda report: report["hidden_neurons"] == 8),
+    "train_points": Group("ncdc train demo/points.json --neurons 4 --trainer lm|ebp",
+                          ("training", "held_out", "beyond_points"), _train_points,
+                          lambda report: report["hidden_neurons"] == 4),
+    "train_camera": Group("ncdc train demo/camera.toml --neurons 4..12",
+                          ("trainer", "map_error_fixed_px"), _train_camera,
+                          lambda report: "beyond_points" not in report),
+    "evaluate": Group("ncdc evaluate net.toml --reference demo/camera.toml",
+                      ("valid_pixels_differ", "map_error_fixed_px"), _evaluate),
     "simulate": Group("ncdc simulate demo/net.toml demo/distorted.raw.png --memory sdram",
-                      ("pixels_compared", "bytes_read_per_pixel"), _simulate, _simulated(256)),
+                      _FRAME, _simulate, _is_frame(strip=256, fetch="cache")),
     "simulate_strip": Group("ncdc simulate demo/net.toml demo/distorted.raw.png --strip 128",
-                            ("pixels_compared", "bytes_read_per_pixel"), _simulate,
-                            _simulated(128)),
+                            _FRAME, _simulate, _is_frame(strip=128, fetch="cache")),
+    "simulate_follow": Group(
+        "ncdc simulate demo/net.toml demo/distorted.raw.png --to stream --follow",
+        (*_FRAME, "follow_latency_clocks"), _follow),
+    "simulate_stream": Group("ncdc simulate fast.toml demo/distorted.raw.png --to stream",
+                             _FRAME, _simulate, _is_frame(output="stream", fetch="cache")),
+    "multiport": Group("ncdc simulate fast.toml demo/distorted.raw.png --fetch multiport",
+                       _FRAME, _multiport, _is_frame(fetch="multiport")),
     "tansig": Group("ncdc bench tansig --no-synth", ("max_ulp", "bound_ulp"), _tansig,
                     lambda report: all(row["exhaustive"] for row in report["rows"])),
     "tansig_size": Group("ncdc bench tansig --sampled --no-route", ("max_ulp", "m10k"),
@@ -152,6 +245,28 @@ GROUPS = {
     "grid": Group("ncdc bench grid tests/data/dots/dot_pattern_06.jpg", ("blur_px",), _grid),
     "pictures": Group("ncdc bench pictures", ("psnr_lanczos_db",), _pictures),
     "system": Group("ncdc bench system --quick", ("follow_bound_clocks", "frames_torn"), _system),
+    "throughput": Group("ncdc bench throughput", ("amplification", "misses_expected"),
+                        _throughput),
+    "accuracy": Group(f"ncdc bench accuracy --lens {_LENSES} --neurons 10 --model pbm6-shared "
+                      "pbm6-separate brown5 opencv-fisheye opencv-full mesh8-bilinear "
+                      "mesh128-bicubic ncdc",
+                      _ACCURACY, chosen_maps.by_lens,
+                      _has("ncdc", "pbm6-shared", "pbm6-separate", "brown5", "opencv-fisheye",
+                           "opencv-full", "mesh8-bilinear", "mesh128-bicubic")),
+    "accuracy_residual_0": Group(
+        f"ncdc bench accuracy --residual 0 --lens {_LENSES} --neurons 8,12 --model brown5 "
+        "opencv-fisheye opencv-full mesh128-bicubic ncdc",
+        _ACCURACY, chosen_maps.by_lens,
+        _has("ncdc", "brown5", "opencv-fisheye", "opencv-full", "mesh128-bicubic", residual=0)),
+    "accuracy_neurons": Group(
+        "ncdc bench accuracy --lens PC105 PC120 120kb --neurons 4,5,6,7,8,10,12,16 "
+        "--model ncdc ncdc-skip",
+        _ACCURACY, chosen_maps.by_neurons, _has("ncdc", "ncdc-skip")),
+    "lines": Group("ncdc bench lines --model pbm6-shared pbm6-separate opencv-fisheye "
+                   "opencv-full mesh128-bicubic ncdc",
+                   ("lines_missed", "straightness_rms_px"), chosen_maps.lines),
+    "nodes": Group("ncdc bench nodes", ("curvature_px", "added_max_px"), chosen_maps.nodes),
+    "truth": Group("ncdc bench truth", ("dots_visible", "true_rms_px"), chosen_maps.truth),
 }
 
 

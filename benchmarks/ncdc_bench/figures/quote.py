@@ -68,11 +68,14 @@ class Quote:
 
 
 class _Form(string.Formatter):
-    """Formats rows; None becomes "-"."""
+    """Formats rows; None becomes "-", and ".3r" stands for 3 digits without an exponent."""
 
     def format_field(self, value, spec):
         if value is None:       # with the width alone
             value, spec = "-", re.match(r"[<>]?\d*", spec)[0]
+        elif match := re.fullmatch(r"\.(\d)r", spec):
+            digits = int(match[1]) - 1 - int(f"{value:.{int(match[1]) - 1}e}".partition("e")[2])
+            spec = f".{max(0, digits)}f"
         return super().format_field(value, spec)
 
 
@@ -136,7 +139,7 @@ def _fields(form):
 
 
 def _is_number(spec):
-    return bool(re.search(r"[df,]$", spec or ""))
+    return bool(re.search(r"[dfr,]$", spec or ""))
 
 
 def _matcher(form, rows):
@@ -314,7 +317,7 @@ def _take(root, results, groups, figures):
     for path in map(Path, results):
         name, report = _read(path)
         before = joined[name][0].get("rows", []) if name in joined else []
-        joined[name] = report | {"rows": before + report.get("rows", [])}, path
+        joined[name] = report | {"rows": before + report.get("rows", [report])}, path
     for name, (report, path) in joined.items():
         day = datetime.fromtimestamp(path.stat().st_mtime, UTC).date()
         group = {"command": GROUPS[name].command, "date": str(day), "version": version("ncdc")}
