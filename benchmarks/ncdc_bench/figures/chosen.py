@@ -46,12 +46,13 @@ def _train(report):
 
 
 def _train_camera(report):
-    """A row for each number of neurons: errors in px, MSE in px²."""
-    return {str(row["hidden_neurons"]): {
+    """A row for each number of neurons: errors in px, MSE in px²; the most that integers add."""
+    rows = {str(row["hidden_neurons"]): {
         "neurons": row["hidden_neurons"], "added": row["fixed_minus_float_max_px"],
         **{f"{kind}_{name}": row[f"map_error_{kind}_px"][name]
            for kind in ("float", "fixed") for name in ("mse", "max")}}
         for row in report["rows"]}
+    return {"rows": rows, "added_max": max(row["added"] for row in rows.values())}
 
 
 def _train_points(report):
@@ -98,7 +99,7 @@ def _is_frame(**settings):
 
 
 def _throughput(report):
-    """Rows as measured; "fast" has those of both fetchers on SDRAM and DDR3, of Table IV."""
+    """Rows as measured; those for ``fast`` on SDRAM and DDR3 are compared with Table IV."""
     rows, table_four = {}, {}
     for row in report["rows"]:
         lanes, gradient = row["pixels_per_clock"], row["interpolation"] == "gradient"
@@ -216,13 +217,15 @@ GROUPS = {
     "train": Group("ncdc train demo/points.json --neurons 8 --size 640x480",
                    ("training", "held_out", "beyond_points"), _train,
                    lambda report: report["hidden_neurons"] == 8),
-    "train_points": Group("ncdc train demo/points.json --neurons 4 --trainer lm|ebp",
+    "train_points": Group("ncdc train demo/points.json --neurons 4 --size 640x480, and with "
+                          "--trainer ebp",
                           ("training", "held_out", "beyond_points"), _train_points,
                           lambda report: report["hidden_neurons"] == 4),
-    "train_camera": Group("ncdc train demo/camera.toml --neurons 4..12",
+    "train_camera": Group("ncdc train demo/camera.toml --neurons N, N from 4 to 12",
                           ("trainer", "map_error_fixed_px"), _train_camera,
                           lambda report: "beyond_points" not in report),
-    "evaluate": Group("ncdc evaluate net.toml --reference demo/camera.toml",
+    "evaluate": Group("ncdc evaluate net.toml --reference demo/camera.toml, networks of "
+                      "ncdc train demo/points.json --size 640x480",
                       ("valid_pixels_differ", "map_error_fixed_px"), _evaluate),
     "simulate": Group("ncdc simulate demo/net.toml demo/distorted.raw.png --memory sdram",
                       _FRAME, _simulate, _is_frame(strip=256, fetch="cache")),
@@ -233,7 +236,8 @@ GROUPS = {
         (*_FRAME, "follow_latency_clocks"), _follow),
     "simulate_stream": Group("ncdc simulate fast.toml demo/distorted.raw.png --to stream",
                              _FRAME, _simulate, _is_frame(output="stream", fetch="cache")),
-    "multiport": Group("ncdc simulate fast.toml demo/distorted.raw.png --fetch multiport",
+    "multiport": Group("ncdc simulate fast.toml demo/distorted.raw.png --fetch multiport, each "
+                       "memory, and --to stream",
                        _FRAME, _multiport, _is_frame(fetch="multiport")),
     "tansig": Group("ncdc bench tansig --no-synth", ("max_ulp", "bound_ulp"), _tansig,
                     lambda report: all(row["exhaustive"] for row in report["rows"])),

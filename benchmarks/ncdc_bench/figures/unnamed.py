@@ -22,7 +22,7 @@ _COMMON = ("dB", "px²", "px", "MHz", "Mbit/s", "MB/s", "MB", "kB", "%", "ms", "
            "ALUTs?", "LUTs?", "LEs?", "DSPs?", "M10Ks?", "M9Ks?", "flip-flops", "block RAMs?",
            "multipliers", "seconds")
 _PROSE = (*_COMMON, "GB", "s", "second", "CPU-seconds?", "minutes?", "hours?", "logic elements",
-          "frames a second", "times a second", "pictures a second", "a second", "per second",
+          "frames a second", "times a second", "a second", "per second",
           "pixels per clock", "bytes per clock", "DSP blocks?")
 _HEADS = (*_COMMON, "MSE", "clocks/pixel", "bytes/pixel", "FF", "DSP", "RAM", "slack")
 _NUMBER = r"(?<![\w.,§*^-])[-+±]?\d(?:[\d,]*\d)?(?:\.\d+)?(?:e-\d+)?"
