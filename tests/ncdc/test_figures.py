@@ -184,6 +184,8 @@ PLANTED = [
     ("| what | MHz |\n|---|---|\n| a | 80 % |", ["80 %"]),
     ("| | a | MHz |\n|---|---|---|\n| | | 7 |", ["7 MHz"]),
     ("<!--rows=a | * | {mhz:.1f} |-->\n\n" + MEASURED.replace("size", "px"), ["8 px"]),
+    ("**7 px**, 8-9 px", ["7 px", "8 px", "9 px"]), ("5 CPU\nseconds", ["5 CPU seconds"]),
+    (f"{MEASURED}| 9 | 70 |\n| 10 | 80, {PAST.lower()} |", ["62.5 MHz", "70 MHz"]),
     (f"{PAST}.\n\n7 px", ["7 px"]), (f"{PAST}:\n\n    code\n\n{MEASURED}", ["62.5 MHz"]),
     (f"{PAST}:\n\n{MEASURED}\n7 px", ["7 px"]), (f"- {PAST}, 7 px\n- 8 px", ["8 px"]),
     (f"## A\n\nThis section was {PAST.lower()}.\n\n7 px\n\n## B\n\n8 px", ["8 px"])]
@@ -195,7 +197,7 @@ def test_a_planted_number_is_found(text, numbers):
 
 
 @pytest.mark.parametrize("text", [
-    "0.25<!--=a.b--> px", "8 neurons, 640x480, 2**-3 s, version 0.2", "    62.5 MHz",
+    "0.25<!--=a.b--> px", "8 neurons, 640x480, 2**-3 s, 2^-3 s, version 0.2", "    62.5 MHz",
     "```\n62.5 MHz\n```", f"{PAST}: 62.5 MHz", "Measured\nwith version\n0.1, 2026-11-22: 7 px",
     f"{PAST}:\n\n{MEASURED}", f"{PAST}:\n\n- 5 px\n- 6 px",
     "<!--rows=a | {size:d} | {mhz:.1f} |-->\n\n" + MEASURED,

@@ -5,9 +5,9 @@ measured once, and no command stores it. The page says so::
 
     Measured with version 0.1, 2026-11-22:
 
-This sentence accounts for its own paragraph or list item, and for a table or a list right after
-it. "This section was measured with version ..." accounts for the text up to the next heading. Code
-is not looked at: it shows what a command printed.
+This sentence accounts for its own paragraph, list item or row of a table, and for a table or a list
+right after it. "This section was measured with version ..." accounts for the text up to the next
+heading. Code is not looked at: it shows what a command printed.
 """
 
 import re
@@ -25,16 +25,16 @@ _PROSE = (*_COMMON, "GB", "s", "second", "CPU-seconds?", "minutes?", "hours?", "
           "frames a second", "times a second", "a second", "per second",
           "pixels per clock", "bytes per clock", "DSP blocks?")
 _HEADS = (*_COMMON, "MSE", "clocks/pixel", "bytes/pixel", "FF", "DSP", "RAM", "slack")
-_NUMBER = r"(?<![\w.,§*^-])[-+±]?\d(?:[\d,]*\d)?(?:\.\d+)?(?:e-\d+)?"
+_NUMBER = r"(?<![\w.,§^])(?<!\w\*\*)(?<!\w\*\*-)(?<!\^-)[-+±]?\d(?:[\d,]*\d)?(?:\.\d+)?(?:e-\d+)?"
 _QUOTED = re.compile(r"[-+]?\d[\d,]*(?:\.\d+)?<!--=[\w.]+-->")
 
 
 def _units(names):
-    return "|".join(sorted(names, key=len, reverse=True))
+    return "|".join(sorted(names, key=len, reverse=True)).replace(" ", r"\s+")
 
 
 # Numbers that share a unit, as "1.2, 3 and 4.5 MHz"; "§" stands for a quoted one.
-_CHAIN = re.compile(rf"((?:{_NUMBER}|§)(?:\s?(?:,|/|to|and|or|of)?\s?(?:{_NUMBER}|§))*)[\s-]?"
+_CHAIN = re.compile(rf"((?:{_NUMBER}|§)(?:\s?(?:,|/|-|to|and|or|of)?\s?(?:{_NUMBER}|§))*)[\s-]?"
                     rf"({_units(_PROSE)})(?![\w/])")
 _HEAD = re.compile(rf"(?<![\w/])(?<!\d )({_units(_HEADS)})(?![\w/])")
 
@@ -100,7 +100,7 @@ def unnamed(text):
     found, section, carried, form = [], False, False, ""
     for block in blocks(text):
         joined = " ".join(" ".join(block.lines).split())
-        own = bool(HISTORY.search(joined))
+        own = block.kind != "table" and bool(HISTORY.search(joined))
         section = bool(_SECTION.search(joined)) or section and block.kind != "heading"
         if not (section or own or carried and block.kind in ("table", "item")):
             found += _of_table(block, form) if block.kind == "table" else _of_prose(block)
@@ -134,8 +134,9 @@ def _of_table(block, form):
     own = _cells(form[form.find("|"):]) if form.startswith("<!--rows=") else None
     found = []
     for line, row in enumerate(rows, block.line + 2):
+        past = HISTORY.search(" ".join(row))
         for column, cell in enumerate(row):
-            if own and own[column:column + 1] != ["*"]:
+            if past or own and own[column:column + 1] != ["*"]:
                 continue
             above = [*heads[column:column + 1], *[row[0], heads[0]] * bool(column)]
             found += _of_cell(cell, line, above)
