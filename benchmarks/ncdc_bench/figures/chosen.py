@@ -98,28 +98,6 @@ def _is_frame(**settings):
         report[name] == value for name, value in settings.items())
 
 
-def _throughput(report):
-    """Rows as measured; those for ``fast`` on SDRAM and DDR3 are compared with Table IV."""
-    rows, table_four = {}, {}
-    for row in report["rows"]:
-        lanes, gradient = row["pixels_per_clock"], row["interpolation"] == "gradient"
-        method = row["fetch"] + ", `gradient`" * gradient + (
-            f", {lanes} pixels per clock" if lanes > 1 else "")
-        name = _slug(method, row["memory"], row["width"], row["output"])
-        size = f"{row['width']}x{row['height']}"
-        rows[name] = {
-            "method": method, "frame": f"{size}, lens {row['lens']:g}", "memory": row["memory"],
-            "output": row["output"],
-            "cache": f"{row['cache_bytes'] // 1024} KB" if row["cache_bytes"] else "-",
-            "scan": f"strips of {row['strip']}" if row["strip"] else "raster",
-            "clocks": row["clocks_per_pixel"], "predicted": row["predicted_clocks_per_pixel"],
-            "bytes": row["bytes_read_per_pixel"], "distinct": row["amplification"]}
-        if row["memory"] in ("sdram", "ddr3") and not gradient:
-            table_four[name] = {"method": method, "memory": row["memory"], "size": size,
-                                "output": row["output"], "fps": row["frames_per_second"]}
-    return {"rows": rows, "table_four": table_four}
-
-
 def _tansig(report):
     names = {"fraction_bits": "bits", "max_ulp": "max", "bound_ulp": "bound", "latency": "latency",
              "stages": "stages", "differences": "differ",
@@ -250,8 +228,6 @@ GROUPS = {
     "grid": Group("ncdc bench grid tests/data/dots/dot_pattern_06.jpg", ("blur_px",), _grid),
     "pictures": Group("ncdc bench pictures", ("psnr_lanczos_db",), _pictures),
     "system": Group("ncdc bench system --quick", ("follow_bound_clocks", "frames_torn"), _system),
-    "throughput": Group("ncdc bench throughput", ("amplification", "misses_expected"),
-                        _throughput),
     "accuracy": Group(f"ncdc bench accuracy --lens {_LENSES} --neurons 10 --model pbm6-shared "
                       "pbm6-separate brown5 opencv-fisheye opencv-full mesh8-bilinear "
                       "mesh128-bicubic ncdc",
@@ -263,15 +239,10 @@ GROUPS = {
         "opencv-fisheye opencv-full mesh128-bicubic ncdc",
         _ACCURACY, chosen_maps.by_lens,
         _has("ncdc", "brown5", "opencv-fisheye", "opencv-full", "mesh128-bicubic", residual=0)),
-    "accuracy_neurons": Group(
-        "ncdc bench accuracy --lens PC105 PC120 120kb --neurons 4,5,6,7,8,10,12,16 "
-        "--model ncdc ncdc-skip",
-        _ACCURACY, chosen_maps.by_neurons, _has("ncdc", "ncdc-skip")),
     "lines": Group("ncdc bench lines --model pbm6-shared pbm6-separate opencv-fisheye "
                    "opencv-full mesh128-bicubic ncdc",
                    ("lines_missed", "straightness_rms_px"), chosen_maps.lines),
     "nodes": Group("ncdc bench nodes", ("curvature_px", "added_max_px"), chosen_maps.nodes),
-    "truth": Group("ncdc bench truth", ("dots_visible", "true_rms_px"), chosen_maps.truth),
 }
 
 

@@ -1,9 +1,9 @@
-"""Numbers of the benches of maps and calibration that pages may quote.
+"""Numbers of the benches of maps that pages may quote.
 
 Each function takes a report and gives nested dicts: tables of rows, rows of figures.
 """
 
-__all__ = ["by_lens", "by_neurons", "lines", "nodes", "truth"]
+__all__ = ["by_lens", "lines", "nodes"]
 
 _PART = "mse", "max"
 _INTEGERS = "ncdc", "ncdc-skip"          # whose errors are those of the integers
@@ -23,24 +23,6 @@ def by_lens(report):
         kind = "fixed_" if name in _INTEGERS else ""
         figures |= {f"{row['lens'].lower()}_{part}": row[kind + part] for part in _PART}
     return rows
-
-
-def by_neurons(report):
-    """For each lens a row for each number of neurons, plain and with the skip path.
-
-    ``skip_path`` has the MSE of both on each lens, in px².
-    """
-    lenses, both = {}, {}
-    for row in report["rows"]:
-        lens, neurons = row["lens"].lower(), str(row["hidden_neurons"])
-        kind = "skip_" if row["model"] == "ncdc-skip" else ""
-        figures = lenses.setdefault(lens, {}).setdefault(neurons, {"neurons": int(neurons)})
-        figures |= {f"{kind}{name}": row[key] for name, key in (
-            ("mse", "mse"), ("fixed", "fixed_mse"), ("mean", "fixed_mean"), ("max", "fixed_max"),
-            ("added", "fixed_added_max"), ("dots", "dots_mse"))}
-        pair = both.setdefault(neurons, {"neurons": int(neurons)})
-        pair[f"{lens}_{kind}mse"] = row["mse"]
-    return lenses | {"skip_path": both}
 
 
 def lines(report):
@@ -70,17 +52,3 @@ def nodes(report):
     for figures in lenses.values():
         figures["apart"] = abs(figures["fixed_minus_float"] - figures["every"])
     return lenses
-
-
-def truth(report):
-    """A row for each lens and number of photos: dots, and errors of the map, px."""
-    rows = {}
-    for row in report["rows"]:
-        rows[_word(f"{row['lens']}_{row['photos']}").replace(" ", "_").replace(":", "_")] = {
-            "lens": row["lens"], "photos": row["photos"], "used": row["dots_used"],
-            "visible": row["dots_visible"], "false": row["dots_false"],
-            "part": 100 * row["dots_used"] / row["dots_visible"],
-            **{name: row[f"{name}_px"] for name in (
-                "relief", "true_rms", "true_max", "reported_rms", "reported_max",
-                "reported_beyond_max", "held_out_max")}}
-    return rows
