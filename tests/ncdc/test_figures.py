@@ -262,6 +262,17 @@ def test_reports_of_one_bench_are_joined(checkout):
     assert set(json.loads((checkout / STORE).read_text())) == {"tansig_size"}
 
 
+def test_reports_without_rows_are_rows(checkout):
+    (checkout / "docs" / "page.md").write_text(
+        "<!--rows=evaluate | {neurons:d} | {max:.1f} |-->\n\n| HN | max |\n|---|---|\n| 0 | 0 |\n")
+    for neurons in (4, 8):
+        errors = {"mse": 1.0, "max": neurons / 2}
+        (checkout / f"{neurons}.json").write_text(json.dumps(
+            {"hidden_neurons": neurons, "measured_on": "camera", "map_error_fixed_px": errors}))
+    page, = store(checkout, [checkout / "8.json", checkout / "4.json"])
+    assert page.read_text().endswith("|---|---|\n| 8 | 4.0 |\n| 4 | 2.0 |\n")
+
+
 def test_a_later_report_changes_the_pages(checkout):
     store(checkout, [checkout / "grid.json"])
     report = (checkout / "grid.json").read_text().replace("30.126", "29.004")

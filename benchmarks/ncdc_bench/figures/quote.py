@@ -2,9 +2,10 @@
 
     python -m ncdc_bench.figures.quote RESULT.json...
 
-takes reports of ``ncdc demo``, ``train``, ``simulate`` and ``bench NAME`` (``--json``), stores the
-numbers that pages quote, with the command, the date and the version, and writes them into the
-pages. Reports of one bench are joined. Without a report it writes the stored numbers.
+takes reports of ``ncdc demo``, ``train``, ``evaluate``, ``simulate`` and ``bench NAME``
+(``--json``), stores the numbers that pages quote, with the command, the date and the version, and
+writes them into the pages. Reports of one command are joined: their rows, or each is a row. Without
+a report it writes the stored numbers.
 
 A quote is an HTML comment after a number. The site and other viewers do not show it::
 
