@@ -64,6 +64,8 @@ class Board:
         The device reaches the SDRAM's DQM; else whole words are written.
     interpolations : tuple of str
         Those for which it has block RAM.
+    pattern_bits : int
+        Bits of block RAM for a test pattern instead of a sensor; 0: it is not supported.
     """
     name: str
     title: str
@@ -83,3 +85,4 @@ class Board:
     screen: bool = True
     byte_masks: bool = True
     interpolations: tuple = tuple(INTERPOLATIONS)
+    pattern_bits: int = 0

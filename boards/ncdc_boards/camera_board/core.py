@@ -9,6 +9,7 @@ from amaranth.lib.wiring import In, Out, connect, flipped
 
 from ncdc_boards.board import Board
 from ncdc_boards.camera_board.buttons import Chooser
+from ncdc_boards.camera_board.pattern import PatternSensor
 from ncdc_boards.camera_board.waking import Times, Waker
 from ncdc_boards.sdram.controller import SdramController
 from ncdc_boards.sdram.layouts import SdramPins
@@ -63,6 +64,8 @@ class Design:
         or more in simulations. The watch is unchanged.
     processor : bool
         There is a processor with Ethernet.
+    pattern : PatternSensor or None
+        Stands for the sensor, whose pins are then not used.
     """
     board: Board
     system: System
@@ -75,6 +78,7 @@ class Design:
     times: Times
     time_scale: int = 1
     processor: bool = False
+    pattern: PatternSensor = None
 
     @property
     def core_hz(self):

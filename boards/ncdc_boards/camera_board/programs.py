@@ -44,6 +44,7 @@ def configuration_program(system, setup, corner, clock_hz, waits=True, i2c_hz=I2
     ----------
     system : System
     setup : Setup
+        A sensor without writes is not accessed.
     corner : Crop
         Crop of the sensor's frame; or column and row where the raw frame begins.
     clock_hz : int
@@ -57,6 +58,9 @@ def configuration_program(system, setup, corner, clock_hz, waits=True, i2c_hz=I2
     steps = [(Op.WRITE, at["CAMERA_ENABLE"], 0), (Op.WRITE, at["RUN"], 0)]
     steps += [(Op.WRITE, at[name], value)
               for name, value in camera_values(setup, corner, clock_hz, i2c_hz).items()]
+    running = [(Op.WRITE, at["RUN"], 1), (Op.WRITE, at["CAMERA_ENABLE"], 1)]
+    if not setup.writes:
+        return steps + running
     # A target that a reset interrupted in the middle of a byte ends it. The result is ignored.
     steps += _command(at, 0, "READ", "NACK", "STOP")
     *writes, last = setup.writes
@@ -64,8 +68,7 @@ def configuration_program(system, setup, corner, clock_hz, waits=True, i2c_hz=I2
         steps += _sensor_write(at, setup.sensor, write)
         if waits and write.wait_us:
             steps.append((Op.PAUSE, 0, -(-write.wait_us * clock_hz // 10**6)))
-    steps += [(Op.WRITE, at["RUN"], 1), (Op.WRITE, at["CAMERA_ENABLE"], 1)]
-    return steps + _sensor_write(at, setup.sensor, last)
+    return steps + running + _sensor_write(at, setup.sensor, last)
 
 
 def _command(at, data, *flags):

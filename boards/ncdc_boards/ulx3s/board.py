@@ -12,4 +12,5 @@ BOARD = Board(
     name="ulx3s", title="Radiona ULX3S", device="LFE5U-85F-6BG381C", platform=Ulx3sPlatform,
     chip=ULX3S_32MB, memory_bytes=ULX3S_32MB.bytes, core_mhz=CORE_MHZ, clock_plan=clock_plan,
     top=Ulx3sTop, baud=1_000_000, multiplier_bits=18, tools="open",
-    sources=("amaranth-boards, ulx3s.py", "litex-boards, radiona_ulx3s.py"))
+    sources=("amaranth-boards, ulx3s.py", "litex-boards, radiona_ulx3s.py"),
+    pattern_bits=1 << 21)       # of 3.8 million; the largest cores take 1.1

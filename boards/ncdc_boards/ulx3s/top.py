@@ -3,6 +3,7 @@
 from amaranth import *
 
 from ncdc_boards.camera_board.core import BoardCore
+from ncdc_boards.camera_board.pattern import join_pattern
 from ncdc_boards.camera_board.pins import (
     buffer,
     join_buttons,
@@ -43,7 +44,10 @@ class Ulx3sTop(Elaboratable):
         m.submodules.dvi = dvi = Dvi()
         m.d.comb += dvi.picture.eq(core.picture)
         clock_out(m, "memory", join_sdram(m, platform, core))
-        clock_out(m, "sensor_reference", join_camera(m, platform, core))
+        if self.design.pattern:
+            join_pattern(m, core, self.design.pattern, "sensor_reference")
+        else:
+            clock_out(m, "sensor_reference", join_camera(m, platform, core))
         self._gpdi(m, platform, dvi)
         join_uart(m, platform, core, ("rx", "tx", "rts", "dtr"))
         join_buttons(m, platform, core, _BUTTONS)

@@ -92,10 +92,8 @@ def simulate_board(design, sensor, light, *, run_us, events=None, edit=None, opt
     Parameters
     ----------
     design : Design
-    sensor : str
-        Name of the sensor's model.
-    light : Light
-        Light on the sensor.
+    sensor, light : str, Light
+        Name of the sensor's model, and light on it; None with a test pattern.
     run_us : int
     events : dict, optional
         Plusargs of ``hdl/board_run.v``, buttons that are pressed, of :func:`request_at`, of
@@ -118,7 +116,8 @@ def simulate_board(design, sensor, light, *, run_us, events=None, edit=None, opt
     processor = ethernet.files.verilog if ethernet else {}
     board, chip = design.board, chip_parameters(design.board.chip, design.core_hz)
     defines = {"NCDC_CHIP": ", ".join(f".{key}({_number(value)})" for key, value in chip.items()),
-               "NCDC_SENSOR": f'"{sensor}"', "NCDC_TOP": name, "NCDC_DQ": board.chip.data_bits,
+               **({"NCDC_PATTERN": 1} if design.pattern else {"NCDC_SENSOR": f'"{sensor}"'}),
+               "NCDC_TOP": name, "NCDC_DQ": board.chip.data_bits,
                "NCDC_BAUD": board.baud, **_screen(design),
                **({"NCDC_ETHERNET": 1} if ethernet else {})}
     header = "".join(f"`define {key} {value}\n" for key, value in defines.items())
@@ -131,14 +130,15 @@ def simulate_board(design, sensor, light, *, run_us, events=None, edit=None, opt
         # LiteX's Verilog and the processor's are others': their warnings are not ours to mend.
         *(["-Wno-fatal"] if ethernet else []), *(f"-Wno-{rule}" for rule in _RULES)))
     result = BoardRun()
-    plusargs = {"run_us": run_us} | (events or {})
+    plusargs = [f"+{key}={value}" for key, value in ({"run_us": run_us} | (events or {})).items()]
     with tempfile.TemporaryDirectory(prefix="ncdc-") as name:
         folder = Path(name)
-        (folder / "sensor.bin").write_bytes(light.data())
+        if light:
+            (folder / "sensor.bin").write_bytes(light.data())
+            plusargs += light.plusargs("sensor.bin", design.time_scale)
         if ethernet:
             ethernet.fill(folder)
-        run([*command_of(program), *(f"+{key}={value}" for key, value in plusargs.items()),
-             *light.plusargs("sensor.bin", design.time_scale)], folder, result.take)
+        run([*command_of(program), *plusargs], folder, result.take)
         if design.mode:
             result.screen = screen_of((folder / "screen.bin").read_bytes())
         if ethernet:

@@ -1,6 +1,8 @@
 // A ULX3S from the sensor's pins to the monitor's: the generated top, the SDRAM's model, a sensor, a
 // monitor, buttons.
 //
+// With NCDC_PATTERN the top has a test pattern, and the bench no sensor.
+//
 // Plusargs: those of board_run.v, uart_host.v and of the sensor.
 //
 // Results: lines "RESULT <name> <value>"; screen.bin, see dvi_monitor.v.
@@ -22,6 +24,7 @@ module ulx3s_bench;
         .clk(clk), .cke(cke), .cs_n(cs_n), .ras_n(ras_n), .cas_n(cas_n), .we_n(we_n), .oe(oe),
         .ba(ba), .dqm(dqm), .a(a), .dq(dq));
 
+`ifndef NCDC_PATTERN
     // The sensor, and its bus.
     wire xclk, sensor_reset_n, standby, pixclk, fval, lval, scl, sda, sda_low;
     wire [11:0] d;
@@ -31,6 +34,7 @@ module ulx3s_bench;
     sensor #(.SENSOR(`NCDC_SENSOR)) sensor (
         .extclk(xclk), .reset_n(sensor_reset_n && !standby), .pixclk(pixclk), .frame_valid(fval),
         .line_valid(lval), .data(d), .scl(scl), .sda(sda), .sda_low(sda_low));
+`endif
 
     wire [2:0] lanes;
     wire lane_clock;
@@ -46,11 +50,14 @@ module ulx3s_bench;
         .sdram_0__cs__io(cs_n), .sdram_0__we__io(we_n), .sdram_0__ras__io(ras_n),
         .sdram_0__cas__io(cas_n), .sdram_0__ba__io(ba), .sdram_0__a__io(a),
         .sdram_0__dqm__io(dqm), .sdram_0__dq__io(dq), .hdmi_0__d__p(lanes),
-        .hdmi_0__clk__p(lane_clock), .camera_0__pixclk__io(pixclk), .camera_0__fval__io(fval),
-        .camera_0__lval__io(lval), .camera_0__d__io(d), .camera_0__scl__io(scl),
-        .camera_0__sda__io(sda), .camera_0__reset_n__io(sensor_reset_n),
-        .camera_0__standby__io(standby), .camera_0__xclk__io(xclk), .uart_0__rx__io(rx),
-        .uart_0__tx__io(tx), .button_right_0__io(following), .button_left_0__io(1'b0),
+        .hdmi_0__clk__p(lane_clock),
+`ifndef NCDC_PATTERN
+        .camera_0__pixclk__io(pixclk), .camera_0__fval__io(fval), .camera_0__lval__io(lval),
+        .camera_0__d__io(d), .camera_0__scl__io(scl), .camera_0__sda__io(sda),
+        .camera_0__reset_n__io(sensor_reset_n), .camera_0__standby__io(standby),
+        .camera_0__xclk__io(xclk),
+`endif
+        .uart_0__rx__io(rx), .uart_0__tx__io(tx), .button_right_0__io(following), .button_left_0__io(1'b0),
         .button_fire_0__io(raw), .button_down_0__io(again), .led_0__io(led[0]), .led_1__io(led[1]), .led_2__io(led[2]),
         .led_3__io(led[3]), .led_4__io(led[4]), .led_5__io(led[5]), .led_6__io(led[6]),
         .led_7__io(led[7]), .esp32_0__en__io(wifi));
