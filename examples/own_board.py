@@ -16,10 +16,10 @@ from pathlib import Path
 from amaranth.hdl import UnusedElaboratable
 from amaranth_boards.de0_cv import DE0CVPlatform
 
-from ncdc.cli.board_design import designed
+from ncdc.cli.board_design import planner
+from ncdc_boards.board import Request
 from ncdc_boards.quartus.de0_cv import BOARD as DE0_CV
 from ncdc_boards.quartus.de0_cv import De0CvPlatform
-from ncdc_boards.quartus.project import project_files
 from ncdc_boards.quartus.resources import camera, serial
 from ncdc_spec.descriptor import Descriptor
 from ncdc_spec.errors import InputError
@@ -51,14 +51,15 @@ def main(network, output="my_board"):
     """
     # The planner asks modules for their clocks and does not elaborate them.
     warnings.simplefilter("ignore", UnusedElaboratable)
-    design, sensor, budget, _ = designed(BOARD, [(network, Descriptor.load(network))])
-    files = project_files(design, sensor[0])
+    design = BOARD.design([(network, Descriptor.load(network))], Request(), planner())
+    files = BOARD.files(design)
     folder = Path(output)
     folder.mkdir(parents=True, exist_ok=True)
     for name, text in files.items():
         (folder / name).write_text(text)
-    print(f"{folder}: {len(files)} files, {budget.corrected_per_second:.0f} corrected frames a "
-          f"second; sh {folder}/build.sh makes the bitstream, with Quartus Prime Lite")
+    rates = BOARD.rates(design)
+    print(f"{folder}: {len(files)} files, {rates['corrected_frames_per_second']:.0f} corrected "
+          f"frames a second; sh {folder}/build.sh makes the bitstream, with Quartus Prime Lite")
     return files
 
 

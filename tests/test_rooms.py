@@ -22,7 +22,8 @@ MAY_IMPORT = {
     "ncdc": set(FOLDERS) - {"ncdc_bench"},
     "ncdc_sim": {"ncdc_soc", "ncdc_boards", "ncdc_hdl", "ncdc_model", "ncdc_spec"},
     "ncdc_soc": {"ncdc_boards", "ncdc_hdl", "ncdc_spec"},
-    "ncdc_boards": {"ncdc_hdl", "ncdc_spec", "ncdc_model.raw_lens"},
+    # Lenses that show the raw picture, and the test card.
+    "ncdc_boards": {"ncdc_hdl", "ncdc_spec", "ncdc_model.raw_lens", "ncdc_model.example.card"},
     # The emulated device corrects pictures; the window calibrates and trains.
     "ncdc_host": {"ncdc_spec", "ncdc_model.golden", "ncdc_model.images", "ncdc_model.example",
                   "ncdc_model.calibration", "ncdc_model.training"},

@@ -1,88 +1,103 @@
-"""Description of a board with a camera and a screen."""
+"""What the commands need of a board: see docs/howto/new_board.md."""
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any, Protocol
 
-from ncdc_boards.sdram.chips import SdramChip
-from ncdc_spec.interpolation import INTERPOLATIONS
-
-__all__ = ["Board", "EthernetChip"]
+__all__ = ["Board", "Request", "WholeBoard", "project_name"]
 
 
 @dataclass(frozen=True)
-class EthernetChip:
-    """An Ethernet chip with RGMII at the device's pins.
+class Request:
+    """What is asked of a board's design.
 
     Parameters
     ----------
-    addresses : range
-        Addresses of its management registers (MDIO) at which the firmware looks for it.
-    delays : bool
-        The chip delays the clock that the device sends with the data; else the device does.
+    sensor : str
+        Its name; the default is that of the Terasic D5M.
+    mode : str or None
+        Name of a video mode; None: the smallest that holds the picture.
+    settings : dict
+        Settings of the sensor that are not the default: ``exposure_us``, ``pixel_clock_hz``,
+        ``field``.
+    lanes : int
+        Pixels per clock.
+    colour : bool
+        With gains and a tone curve.
+    processor : bool
+        With a processor and Ethernet.
     """
-    addresses: range
-    delays: bool
+    sensor: str = "mt9p031"
+    mode: str | None = None
+    settings: Mapping = field(default_factory=dict)
+    lanes: int = 1
+    colour: bool = False
+    processor: bool = False
 
 
-@dataclass(frozen=True)
-class Board:
-    """A board that ``ncdc build`` makes a design for.
+class Board(Protocol):
+    """A board that a command takes with ``--board``.
 
     Parameters
     ----------
     name, title : str
         As given on the command line; the name for people.
-    device : str
-        As its tools name it.
-    platform : type
-        Subclass of amaranth-boards' platform, with a resource ``camera``.
-    chip : SdramChip
-    memory_bytes : int
-        Bytes of the SDRAM that the device reaches.
-    core_mhz : float
-        Clock of the core and of the SDRAM.
-    clock_plan : callable
-        From a video mode and ``core_mhz`` to the board's clocks, with ``core_mhz`` and
-        ``pixel_mhz``; raises InputError if it has no such pixel clock.
-    top : callable
-        From a :class:`~ncdc_boards.camera_board.core.Design` to the Elaboratable.
-    baud : int
-        Bits per second of the serial port.
-    multiplier_bits : int
-        18 or 27: what a multiplier block of the device multiplies.
-    tools : str
-        "open": ``ncdc build`` makes the bitstream; "quartus": it writes a Quartus project.
-    sources : tuple of str
-        Where the pins are published.
-    jtag : bool
-        The registers are also reached through the JTAG chain that configures the device.
-    ethernet : EthernetChip or None
-        What ``ncdc build --system`` uses; None: there is none.
-    screen : bool
-        It has a connector for a monitor; else it always has a processor, and needs ``ethernet``.
-    byte_masks : bool
-        The device reaches the SDRAM's DQM; else whole words are written.
-    interpolations : tuple of str
-        Those for which it has block RAM.
-    pattern_bits : int
-        Bits of block RAM for a test pattern instead of a sensor; 0: it is not supported.
+    commands : tuple of str
+        Commands of ``ncdc`` that take it.
+    elsewhere : str
+        End of the sentence with which the others reject it: what to type instead.
     """
     name: str
     title: str
-    device: str
-    platform: type
-    chip: SdramChip
-    memory_bytes: int
-    core_mhz: float
-    clock_plan: Callable
-    top: Callable
-    baud: int
-    multiplier_bits: int
+    commands: tuple
+    elsewhere: str
+
+    def files(self, design: Any, sources: Sequence = ()) -> dict:
+        """Text of each file of the project, by name.
+
+        ``sources``: names of more Verilog files, of a processor.
+        """
+
+
+class WholeBoard(Board, Protocol):
+    """A board whose whole design ``ncdc build`` makes, from the sensor's pins to the picture.
+
+    Parameters
+    ----------
+    tools : str
+        "open": ``ncdc build`` makes the bitstream of the files, for an ECP5; "quartus": the files
+        are a project of Quartus.
+    user_files : tuple of str
+        Files that are the user's once they exist.
+    """
     tools: str
-    sources: tuple
-    jtag: bool = False
-    ethernet: EthernetChip | None = None
-    screen: bool = True
-    byte_masks: bool = True
-    interpolations: tuple = tuple(INTERPOLATIONS)
-    pattern_bits: int = 0
+    user_files: tuple
+
+    def design(self, named: Sequence, request: Request, plan: Callable) -> Any:
+        """The design that shows the first lens.
+
+        It has the attributes ``board``, ``system``, ``mode``, ``clocks`` (with ``core_mhz`` and
+        ``targets()``), ``processor`` and ``sensor``, a :class:`~ncdc_spec.sensors.sensor.Setup`
+        and a :class:`~ncdc_spec.sensors.framing.Crop`.
+
+        Parameters
+        ----------
+        named : sequence of (path, Descriptor)
+        request : Request
+        plan : callable
+            From :class:`~ncdc_spec.hardware.Hardware` and a descriptor to the Hardware with its
+            tile cache.
+
+        Raises
+        ------
+        InputError
+            If the board lacks what is requested, or cannot carry the picture.
+        """
+
+    def rates(self, design: Any) -> dict:
+        """Rates of memory and sensor per second, by the names of every report."""
+
+
+def project_name(board):
+    """Name of a board's project, of its files and of its top."""
+    return "ncdc_" + board.name.replace("-", "_")

@@ -2,9 +2,10 @@
 
 from importlib.metadata import entry_points
 
+from ncdc_boards.board import Board
 from ncdc_spec.errors import InputError
 
-__all__ = ["GROUP", "board", "board_names"]
+__all__ = ["GROUP", "board", "board_for", "board_names"]
 
 GROUP = "ncdc.boards"
 
@@ -14,11 +15,8 @@ def board_names():
     return sorted({point.name for point in entry_points(group=GROUP)})
 
 
-def board(name):
-    """The board called ``name``.
-
-    The result is a :class:`~ncdc_boards.board.Board`, for ``ncdc build``, or a
-    :class:`~ncdc_boards.platform_designer.board.DesignerBoard`, for ``ncdc generate``.
+def board(name) -> Board:
+    """The :class:`~ncdc_boards.board.Board` called ``name``.
 
     Raises
     ------
@@ -29,3 +27,18 @@ def board(name):
         if point.name == name:
             return point.load()
     raise InputError(f"board is {name!r}, one of {', '.join(board_names())} is needed")
+
+
+def board_for(command, name):
+    """The board called ``name``, if a command takes it; for build and plan it is a
+    :class:`~ncdc_boards.board.WholeBoard`.
+
+    Raises
+    ------
+    InputError
+        If no installed package offers it, or it is for other commands.
+    """
+    found = board(name)
+    if command not in found.commands:
+        raise InputError(f"the board {name} {found.elsewhere}")
+    return found

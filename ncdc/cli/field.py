@@ -31,7 +31,9 @@ def field_report(plan, crop, geometry):
 
 def field_lines(plan, crop, geometry):
     """Lines for people: the part of the sensor, how it is reduced, and what the photos of the
-    calibration target must show."""
+    calibration target must show. None for a test pattern, which is no part of a sensor."""
+    if not plan.writes:
+        return ()
     left, top, width, height = _clipped(plan, crop, geometry)
     sensor, size = plan.sensor, f"{geometry.distorted_width}x{geometry.distorted_height}"
     wide, high = (f"{100 * part / of:.0f} %" for part, of in

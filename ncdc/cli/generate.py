@@ -4,10 +4,8 @@ from pathlib import Path
 
 from ncdc.cli.common import add_json, raw_frame, write_report
 from ncdc.cli.hardware import add_bus, add_hardware, fixed_of, front_end_line, hardware_of, planned
-from ncdc_boards.catalogue import board as board_of
-from ncdc_boards.platform_designer.board import DesignerBoard
+from ncdc_boards.catalogue import board_for
 from ncdc_boards.platform_designer.niosv import NIOSV, niosv_tcl
-from ncdc_boards.platform_designer.project import project_files
 from ncdc_hdl.axi.top import AxiTop
 from ncdc_hdl.corrector import Corrector
 from ncdc_hdl.export.drivers.drivers import driver_files
@@ -87,7 +85,7 @@ def run(args) -> None:
     """Generate and write; files that would not change are left alone."""
     descriptor = Descriptor.load(args.descriptor)
     lenses = [(args.descriptor, descriptor), *((path, Descriptor.load(path)) for path in args.lens)]
-    board = _board(args.board) if args.board else None
+    board = board_for("generate", args.board) if args.board else None
     hardware = hardware_of(args, board)
     _check_options(args, hardware)
     module = args.name or _default_name(args, hardware)
@@ -110,7 +108,7 @@ def run(args) -> None:
             files[f"{NIOSV}.tcl"] = niosv_tcl(hardware.data_width, system, packetiser)
     files[f"{module}_template.vh"] = instantiation(files[f"{module}.v"], module)
     if board:
-        files |= project_files(board, corrector)
+        files |= board.files(corrector)
     folder = Path(args.output)
     _check_component(folder, files, module)
     for name, text in files.items():
@@ -128,15 +126,6 @@ def run(args) -> None:
             print(f"{folder / name}: {len(text.splitlines())} lines")
         for what, why in report["left_to_user"].items():
             print(f"left to the user: {what}: {why}")
-
-
-def _board(name):
-    """A board with a project for Platform Designer; InputError if it has a design of ours."""
-    board = board_of(name)
-    if not isinstance(board, DesignerBoard):
-        raise InputError(f"the board {name} has a whole design, with camera and screen: ncdc build "
-                         f"--board {name} makes it")
-    return board
 
 
 def _check_component(folder, files, module):

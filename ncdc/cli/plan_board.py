@@ -1,10 +1,12 @@
 """``ncdc plan --board``: whether a board carries a picture, and how often."""
 
-from ncdc.cli.board_design import board_named, designed, print_rates, rates
+from ncdc.cli.board_design import planner, print_rates, settings_of
 from ncdc.cli.common import write_report
-from ncdc.cli.field import field_lines, field_of, field_report
+from ncdc.cli.field import field_lines, field_report
 from ncdc.cli.hardware import fixed_of
-from ncdc_boards.camera_board.design import hardware_for
+from ncdc_boards.board import Request
+from ncdc_boards.camera_board.budget import budget_of
+from ncdc_boards.catalogue import board_for
 from ncdc_spec.errors import InputError
 from ncdc_spec.registers.system_values import memory_bytes
 
@@ -21,11 +23,13 @@ def plan_board(args, descriptor):
         if getattr(args, name) != default:
             raise InputError(f"{_OPTIONS.get(name, '--' + name)} and --board {args.board} are "
                              f"given, the board has its own")
-    board = board_named(args.board)
-    design, (setup, crop), budget, line = designed(
-        board, [(args.descriptor, descriptor)], sensor=args.camera, mode=args.mode,
-        fixed=fixed_of(args), hardware=hardware_for(board, args.pixels_per_clock),
-        processor=args.system, settings={"field": field_of(args)})
+    board, lines = board_for("plan", args.board), []
+    design = board.design(
+        [(args.descriptor, descriptor)],
+        Request(args.camera or Request.sensor, args.mode, settings_of(args, "field"),
+                lanes=args.pixels_per_clock, processor=args.system),
+        planner(fixed_of(args), lines.append))
+    (setup, crop), budget = design.sensor, budget_of(design, design.sensor[0])
     if args.rate and budget.corrected_per_second < args.rate:
         raise InputError(
             f"{budget.corrected_per_second:.1f} frames per second are corrected on {board.name} "
@@ -36,8 +40,8 @@ def plan_board(args, descriptor):
               "mode": design.mode.name if design.mode else None,
               "clocks": [{"name": name, "target_mhz": mhz}
                          for name, mhz in design.clocks.targets().items()],
-              "memory_bytes": needed, "memory_bytes_there": board.memory_bytes, **rates(budget),
-              **field_report(setup, crop, descriptor.geometry)}
+              "memory_bytes": needed, "memory_bytes_there": board.memory_bytes,
+              **board.rates(design), **field_report(setup, crop, descriptor.geometry)}
     if write_report(report, args.json):
         return
     shown = f", {design.mode.name}: pixel clock {design.clocks.pixel_mhz:.2f} MHz, " \
@@ -47,9 +51,10 @@ def plan_board(args, descriptor):
     print(f"{board.title}{shown}core {design.clocks.core_mhz:g} MHz")
     print(f"frames of {needed / 1e6:.1f} MB in all, in {board.memory_bytes / 1e6:.1f} MB; the "
           f"{screen}{camera} {budget.camera / 1e6:.0f} MB/s, of {budget.carried / 1e6:.0f} MB/s")
-    print("\n".join(field_lines(setup, crop, descriptor.geometry)))
+    for line in field_lines(setup, crop, descriptor.geometry):
+        print(line)
     print_rates(report)
-    if line:
+    for line in filter(None, lines):
         print(line)
 
 

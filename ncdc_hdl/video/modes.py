@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 from ncdc_spec.errors import InputError
 
-__all__ = ["MODES", "VideoMode", "mode_for", "mode_named"]
+__all__ = ["MODES", "VideoMode", "mode_for", "mode_holding", "mode_named"]
 
 
 @dataclass(frozen=True)
@@ -78,3 +78,15 @@ def mode_for(width, height):
             return mode
     raise InputError(f"the corrected picture has {width}x{height} pixels, the largest video mode "
                      f"has {MODES[-1].size[0]}x{MODES[-1].size[1]}")
+
+
+def mode_holding(geometry, name=None):
+    """The mode called ``name``, by default the smallest one, for the corrected pictures of a
+    geometry; :class:`InputError` if they do not fit."""
+    smallest = mode_for(*geometry.corrected)
+    wanted = mode_named(name) if name else smallest
+    if not wanted.holds(*geometry.corrected):
+        raise InputError(f"the picture has {geometry.corrected_width}x"
+                         f"{geometry.corrected_height} pixels, the mode {name} does not hold it: "
+                         f"{smallest.name} does")
+    return wanted

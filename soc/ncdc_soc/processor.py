@@ -9,7 +9,7 @@ from litex.soc.interconnect import wishbone
 from litex.soc.interconnect.csr_eventmanager import EventManager, EventSourceLevel
 from migen import Mux, Signal
 
-from ncdc_boards.board import EthernetChip
+from ncdc_boards.camera_board.board import EthernetChip
 from ncdc_hdl.link.processor import ADDRESS_BITS, FRAMES_BITS
 from ncdc_soc.mac import SLOT_BYTES, Mac
 

@@ -11,9 +11,10 @@ from amaranth.back import verilog
 from cameras import barrel_descriptor
 from constraints import complaints, unlimited
 from ncdc.cli import main
+from ncdc_boards.board import project_name
 from ncdc_boards.camera_board.design import design_of, sensor_for
 from ncdc_boards.catalogue import board
-from ncdc_boards.quartus.project import USER_FILE, project_files, project_name
+from ncdc_boards.quartus.project import USER_FILE, project_files
 from ncdc_boards.quartus.sdc import FREE, GRAY_COUNTERS
 from ncdc_hdl.video.modes import mode_named
 from quartus_files import TCL, directions, pins_of, recorded
@@ -45,7 +46,7 @@ def folders(tmp_path_factory, whole):
             found[name] = tmp_path_factory.mktemp(name)
             sensor = sensor_for("mt9p031", small().geometry)
             design = design_of(board(name), [("a", small())], sensor, mode_named("640x480"))
-            for file, text in project_files(design, sensor[0]).items():
+            for file, text in project_files(design).items():
                 (found[name] / file).write_text(text)
     return found
 

@@ -8,11 +8,12 @@ from pathlib import Path
 import pytest
 
 from cameras import barrel_descriptor
+from ncdc_boards.board import project_name
 from ncdc_boards.camera_board.design import design_of, sensor_for
 from ncdc_boards.camera_board.ethernet import MODULE
 from ncdc_boards.catalogue import board
 from ncdc_boards.quartus.plls import REFERENCE_MHZ
-from ncdc_boards.quartus.project import project_name, top_verilog
+from ncdc_boards.quartus.project import top_verilog
 from ncdc_boards.quartus.user import user_module
 from ncdc_hdl.video.modes import mode_named
 from ncdc_soc.board import board_processor

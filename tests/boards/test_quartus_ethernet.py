@@ -36,7 +36,7 @@ def folder(tmp_path_factory):
                        processor=True)
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(verilog, "_convert_rtlil_text", lambda text, **other: "// none\n")
-        for file, text in project_files(design, sensor[0], [f"{MODULE}.v"]).items():
+        for file, text in project_files(design, [f"{MODULE}.v"]).items():
             (found / file).write_text(text)
     return found
 

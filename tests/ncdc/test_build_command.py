@@ -11,7 +11,7 @@ from amaranth.lib import io
 
 from cameras import barrel_descriptor
 from ncdc import cli
-from ncdc.cli.build import _check_clocks
+from ncdc.cli.build_open import _check_clocks
 from ncdc.toolchain.bitstream import (
     Clock,
     Placement,

@@ -9,8 +9,10 @@ import pytest
 
 from cameras import barrel_descriptor
 from ncdc.cli import main
-from ncdc.cli.board_design import board_named, designed
+from ncdc.cli.board_design import planner
 from ncdc_bench.figures.tutorial_figures import PICTURES, draw
+from ncdc_boards.board import Request
+from ncdc_boards.catalogue import board_for
 from ncdc_model.example import example_camera, target_photo
 from ncdc_model.images import write_image
 
@@ -49,10 +51,10 @@ def test_the_boards_carry_the_tour_s_picture():
                     for name in ("train", "build"))
     size = tuple(map(int, train[train.index("--size") + 1].split("x")))
     descriptor = barrel_descriptor(size, (640, 480), hidden_neurons=2)
-    _, _, budget, _ = designed(board_named(build[build.index("--board") + 1]),
-                               [("net.toml", descriptor)])
+    board = board_for("build", build[build.index("--board") + 1])
+    rates = board.rates(board.design([("net.toml", descriptor)], Request(), planner()))
     # As often as the sensor sends it.
-    assert budget.corrected_per_second == budget.frames_per_second > 20
+    assert rates["corrected_frames_per_second"] == rates["sensor_frames_per_second"] > 20
 
 
 ROW = re.compile(r"^ +((?:training|held out|beyond points|region|frame) +(?:float|fixed) .*)$",

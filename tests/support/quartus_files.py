@@ -4,8 +4,8 @@ import subprocess
 from fnmatch import fnmatchcase
 from pathlib import Path
 
+from ncdc_boards.board import project_name
 from ncdc_boards.catalogue import board
-from ncdc_boards.quartus.project import project_name
 from ncdc_boards.quartus.sdc import CHAIN_PORTS
 
 __all__ = ["TCL", "directions", "pins_of", "recorded"]

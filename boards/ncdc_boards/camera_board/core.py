@@ -7,7 +7,6 @@ from amaranth.lib import wiring
 from amaranth.lib.cdc import FFSynchronizer
 from amaranth.lib.wiring import In, Out, connect, flipped
 
-from ncdc_boards.board import Board
 from ncdc_boards.camera_board.buttons import Chooser
 from ncdc_boards.camera_board.pattern import PatternSensor
 from ncdc_boards.camera_board.waking import Times, Waker
@@ -41,7 +40,7 @@ class Design:
 
     Parameters
     ----------
-    board : Board
+    board : CameraBoard
     system : System
         With a screen if the board has one.
     mode : VideoMode or None
@@ -50,6 +49,7 @@ class Design:
         Bytes of a pixel in memory.
     clocks : object
         The board's clocks, as its ``clock_plan`` makes them.
+    sensor : (Setup, Crop)
     programs : tuple
         Programs of :class:`ProgramRunner`: the configuration first. With a screen, one for each
         lens comes next; the raw picture's is the last.
@@ -67,11 +67,12 @@ class Design:
     pattern : PatternSensor or None
         Stands for the sensor, whose pins are then not used.
     """
-    board: Board
+    board: object
     system: System
     mode: object
     pixel_bytes: int
     clocks: object
+    sensor: tuple
     programs: tuple
     lenses: int
     screen_burst: int

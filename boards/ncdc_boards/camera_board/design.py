@@ -13,13 +13,16 @@ from ncdc_model.raw_lens import raw_lens
 from ncdc_spec.errors import InputError
 from ncdc_spec.frames import BGR8, output_format
 from ncdc_spec.hardware import Hardware
+from ncdc_spec.sensors.field import FULL
 from ncdc_spec.sensors.framing import grid_row, setup_around
 from ncdc_spec.sensors.waking import wake_times
 
-__all__ = ["READER_OF_HOST", "design_of", "hardware_for", "sensor_for", "times_for"]
+__all__ = ["READER_OF_HOST", "SENSOR_CLOCK_HZ", "design_of", "hardware_for",
+           "requested_sensor", "sensor_for", "times_for"]
 
 _DATA_WIDTH = 32        # of the memory ports
-_SENSOR_CLOCK_HZ = 25_000_000
+SENSOR_CLOCK_HZ = 25_000_000
+"""Clock that the boards give to a sensor."""
 READER_OF_HOST = 0      # for a host at the serial port; the processor's readers come after it
 
 
@@ -33,8 +36,14 @@ def hardware_for(board, lanes=1, colour=False):
 def sensor_for(name, geometry, *, pixel_clock_hz=0, **settings):
     """:func:`~ncdc_spec.sensors.framing.setup_around` with the boards' clock to the sensor, which
     is by default also the pixel clock. ``settings``: ``field``, and those of the sensor."""
-    return setup_around(name, geometry, clock_hz=_SENSOR_CLOCK_HZ,
-                        pixel_clock_hz=pixel_clock_hz or _SENSOR_CLOCK_HZ, **settings)
+    return setup_around(name, geometry, clock_hz=SENSOR_CLOCK_HZ,
+                        pixel_clock_hz=pixel_clock_hz or SENSOR_CLOCK_HZ, **settings)
+
+
+def requested_sensor(request, geometry):
+    """:func:`sensor_for` of a :class:`~ncdc_boards.board.Request`, by default with the largest
+    field that fits."""
+    return sensor_for(request.sensor, geometry, **{"field": FULL} | dict(request.settings))
 
 
 def design_of(board, named, sensor, mode, *, hardware=None, core_mhz=None, processor=False,
@@ -44,7 +53,7 @@ def design_of(board, named, sensor, mode, *, hardware=None, core_mhz=None, proce
 
     Parameters
     ----------
-    board : Board
+    board : CameraBoard
     named : sequence of (path, Descriptor)
     sensor : (Setup, Crop)
         As in :func:`sensor_for`.
@@ -99,7 +108,7 @@ def design_of(board, named, sensor, mode, *, hardware=None, core_mhz=None, proce
     programs = [configuration_program(system, *sensor, round(core_mhz * 1e6), waits, i2c_hz),
                 *(lens_program(system, lens) for lens in lenses)]
     pixel_bytes = output_format(hardware.format).pixel_bytes
-    design = Design(board, system, mode, pixel_bytes, clocks, tuple(programs), len(named),
+    design = Design(board, system, mode, pixel_bytes, clocks, sensor, tuple(programs), len(named),
                     screen_burst(board, mode, clocks, hardware,
                                  descriptor.geometry.corrected_width, processor) if mode else 0,
                     times_for(sensor[0]), processor=processor)

@@ -1,31 +1,21 @@
 """The files of a design for an ECP5, for synthesis and simulation."""
 
-from dataclasses import dataclass
+from ncdc_boards.board import project_name
 
-__all__ = ["Files", "clock_cells", "prepared", "project_name"]
+__all__ = ["clock_cells", "prepared"]
 
-
-@dataclass(frozen=True)
-class Files:
-    """Text of the top and of all below it in Yosys's own language and as Verilog, of its
-    constraints (Lattice's preferences)."""
-    rtlil: str
-    verilog: str
-    preferences: str
-
-
-def project_name(board):
-    """Name of the files and of the top."""
-    return "ncdc_" + board.name.replace("-", "_")
+_ENDS = {"il": "il", "debug.v": "v", "lpf": "lpf"}
 
 
 def prepared(design):
-    """The :class:`Files` of a :class:`~ncdc_boards.camera_board.core.Design`."""
+    """Text of ``ncdc_<board>.il``, ``.v`` and ``.lpf`` of a
+    :class:`~ncdc_boards.camera_board.core.Design`, by name."""
     board = design.board
     name = project_name(board)
     plan = board.platform().prepare(board.top(design), name, debug_verilog=True)
-    texts = {kind: plan.files[f"{name}.{kind}"] for kind in ("il", "debug.v", "lpf")}
-    return Files(*(text.decode() if isinstance(text, bytes) else text for text in texts.values()))
+    texts = {f"{name}.{end}": plan.files[f"{name}.{kind}"] for kind, end in _ENDS.items()}
+    return {file: text.decode() if isinstance(text, bytes) else text
+            for file, text in texts.items()}
 
 
 def clock_cells(design):

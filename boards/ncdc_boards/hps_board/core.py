@@ -37,6 +37,7 @@ class HpsDesign:
     pixel_bytes : int
         Bytes of a pixel in memory.
     clocks : ClockPlan
+    sensor : (Setup, Crop)
     reset_us : int
         Microseconds from the clocks' lock until the sensor's reset ends. Linux configures the
         sensor long after its rest.
@@ -46,7 +47,10 @@ class HpsDesign:
     mode: object
     pixel_bytes: int
     clocks: object
+    sensor: tuple
     reset_us: int = 5000
+
+    processor = False       # of ours: the board has its own
 
 
 class HpsCore(wiring.Component):

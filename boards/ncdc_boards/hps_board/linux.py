@@ -4,10 +4,10 @@ import json
 from dataclasses import asdict
 from importlib.resources import files
 
+from ncdc_boards.board import project_name
 from ncdc_boards.camera_board.programs import camera_values
 from ncdc_boards.hps_board.adv7513 import I2C_ADDRESS, WRITES
 from ncdc_boards.hps_board.ports import PORT_RESETS, PORT_RESETS_ALL, port_resets
-from ncdc_boards.quartus.project import project_name
 from ncdc_hdl.export.ip.axi.device_tree import ModuleResources, device_tree
 from ncdc_spec.frames import output_format
 from ncdc_spec.pixel_formats import raw_format
@@ -23,12 +23,10 @@ _SILENT = 0xFFFF                # value read if the sensor does not answer, as o
 _HOST = ("ncdc_board.py", "ncdc_server.py")
 
 
-def host_files(design, setup, corner):
-    """``ncdc_<board>.dtsi``, ``ncdc_board.json``, and the programs, by name.
-
-    Parameters: as in :func:`ncdc_boards.hps_board.project.project_files`.
-    """
-    board = design.board
+def host_files(design):
+    """``ncdc_<board>.dtsi``, ``ncdc_board.json``, and the programs, by name, for a
+    :class:`~ncdc_boards.hps_board.core.HpsDesign`."""
+    board, (setup, corner) = design.board, design.sensor
     base, size = board.frames
     name = project_name(board)
     clock_hz = round(board.core_mhz * 1e6)

@@ -1,10 +1,11 @@
 """The project of a board with a hard processor: Platform Designer's system, and Quartus's."""
 
+from ncdc_boards.board import project_name
 from ncdc_boards.hps_board.linux import host_files
 from ncdc_boards.hps_board.ports import SYSTEM
 from ncdc_boards.hps_board.system import system_tcl
 from ncdc_boards.hps_board.top import HpsTop
-from ncdc_boards.quartus.project import assembled, project_name
+from ncdc_boards.quartus.project import assembled
 from ncdc_boards.quartus.sdc import TRACE, constraints, generated, ports_like
 
 __all__ = ["project_files"]
@@ -27,7 +28,7 @@ quartus_sta -t {system}/synthesis/submodules/hps_sdram_p0_pin_assignments.tcl {n
 """
 
 
-def project_files(design, setup, corner):
+def project_files(design):
     """Text of each file of the project, by name, without Linux's drivers.
 
     Those of :func:`ncdc_boards.quartus.project.project_files`, ``ncdc_qsys.tcl``, and what
@@ -36,18 +37,14 @@ def project_files(design, setup, corner):
     Parameters
     ----------
     design : ncdc_boards.hps_board.core.HpsDesign
-    setup : Setup
-        Configuration of the sensor.
-    corner : Crop
-        Column and row of the sensor's frame where the raw frame begins.
     """
-    board = design.board
+    board, (setup, _) = design.board, design.sensor
     return assembled(
         board, HpsTop(design),
         lambda ports: constraints(design, setup.timing.pixel_clock_hz / 1e6, ports, _hdmi()),
         settings=_SETTINGS, before=_BEFORE,
         mapped=_MAPPED.format(system=SYSTEM, name=project_name(board)),
-    ) | {f"{SYSTEM}.tcl": system_tcl(board)} | host_files(design, setup, corner)
+    ) | {f"{SYSTEM}.tcl": system_tcl(board)} | host_files(design)
 
 
 def _hdmi():

@@ -2,6 +2,8 @@
 
 from dataclasses import dataclass, field
 
+from ncdc_boards.platform_designer.project import project_files
+
 __all__ = ["DesignerBoard"]
 
 
@@ -35,3 +37,15 @@ class DesignerBoard:
     multiplier_bits: int
     sources: tuple
     left_to_user: dict = field(default_factory=dict)
+
+    commands = "generate",
+
+    @property
+    def elsewhere(self):
+        return ("has no design of ours, its project for Platform Designer is made by ncdc generate "
+                f"--board {self.name}")
+
+    def files(self, design, sources=()):
+        """:func:`~ncdc_boards.platform_designer.project.project_files` of a corrector;
+        ``sources``: none."""
+        return project_files(self, design)

@@ -1,5 +1,6 @@
 """The Quartus project of a board around a Platform Designer system."""
 
+from ncdc_boards.board import project_name
 from ncdc_boards.platform_designer.system import SYSTEM, exports, system_tcl
 
 __all__ = ["project_files"]
@@ -24,7 +25,7 @@ def project_files(board, corrector):
     ``ncdc_<board>.qpf``, ``.qsf`` (device, sources), ``.sdc``, ``ncdc_qsys.tcl``, ``build.sh``, and
     ``PORTS.md``: what is left to the user.
     """
-    name = "ncdc_" + board.name.replace("-", "_")
+    name = project_name(board)
     return {
         f"{name}.qsf": _QSF.format(board=board, name=name, system=SYSTEM),
         f"{name}.sdc": _SDC.format(period=1000 / board.core_mhz),

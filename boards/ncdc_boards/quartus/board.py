@@ -1,15 +1,17 @@
-"""Description of a Quartus board, beyond that of every board."""
+"""A board for Quartus, beyond that of every board."""
 
 from dataclasses import dataclass
 
-from ncdc_boards.board import Board
+from ncdc_boards.camera_board.board import CameraBoard
+from ncdc_boards.quartus.project import USER_FILE, project_files
+from ncdc_boards.quartus.sdc import check_sensor
 
 __all__ = ["QuartusBoard"]
 
 
 @dataclass(frozen=True)
-class QuartusBoard(Board):
-    """A board for Quartus.
+class QuartusBoard(CameraBoard):
+    """A board for which ``ncdc build`` writes a project for Quartus.
 
     Parameters
     ----------
@@ -21,3 +23,14 @@ class QuartusBoard(Board):
     family: str = ""
     dac: bool = False
     jtag: bool = True
+
+    tools = "quartus"
+    user_files = USER_FILE,
+
+    def design(self, named, request, plan):
+        check_sensor(request.settings)
+        return super().design(named, request, plan)
+
+    def files(self, design, sources=()):
+        """:func:`~ncdc_boards.quartus.project.project_files`."""
+        return project_files(design, sources)

@@ -37,6 +37,6 @@ BOARD = QuartusBoard(
     name="de0-cv", title="Terasic DE0-CV", device="5CEBA4F23C7", platform=De0CvPlatform,
     chip=IS42S16320D_7, memory_bytes=IS42S16320D_7.bytes, core_mhz=CORE_MHZ,
     clock_plan=partial(clock_plan, family=CYCLONE_V, max_mhz=65), top=QuartusTop,
-    baud=1_000_000, multiplier_bits=27, tools="quartus",
+    baud=1_000_000, multiplier_bits=27,
     sources=("amaranth-boards, de0_cv.py", "assignments by Terasic's System Builder"),
     family=CYCLONE_V, dac=False)

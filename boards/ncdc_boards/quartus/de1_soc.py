@@ -35,7 +35,7 @@ BOARD = QuartusBoard(
     name="de1-soc", title="Terasic DE1-SoC", device="5CSEMA5F31C6", platform=De1SocPlatform,
     chip=IS42S16320D_7, memory_bytes=IS42S16320D_7.bytes, core_mhz=CORE_MHZ,
     clock_plan=partial(clock_plan, family=CYCLONE_V, max_mhz=140), top=QuartusTop,
-    baud=1_000_000, multiplier_bits=27, tools="quartus",
+    baud=1_000_000, multiplier_bits=27,
     sources=("amaranth-boards, de1_soc.py", "litex-boards, terasic_de1soc.py",
              "set_location_assignments.tcl of the FHNW, with a D5M on GPIO 0"),
     family=CYCLONE_V, dac=True)

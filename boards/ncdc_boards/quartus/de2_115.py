@@ -11,7 +11,7 @@ from amaranth_boards.resources import (
     UARTResource,
 )
 
-from ncdc_boards.board import EthernetChip
+from ncdc_boards.camera_board.board import EthernetChip
 from ncdc_boards.camera_board.ethernet import rgmii
 from ncdc_boards.quartus.board import QuartusBoard
 from ncdc_boards.quartus.names import CYCLONE_IV
@@ -63,6 +63,6 @@ BOARD = QuartusBoard(
     name="de2-115", title="Terasic DE2-115", device="EP4CE115F29C7", platform=De2115Platform,
     chip=_CHIPS, memory_bytes=_CHIPS.bytes, core_mhz=CORE_MHZ,
     clock_plan=partial(clock_plan, family=CYCLONE_IV, max_mhz=140), top=QuartusTop,
-    baud=115_200, multiplier_bits=18, tools="quartus",      # RS-232 drivers end at 120 kbit/s
+    baud=115_200, multiplier_bits=18,      # RS-232 drivers end at 120 kbit/s
     sources=("litex-boards, terasic_de2_115.py", "verilog-ethernet, example/DE2-115/fpga/fpga.qsf"),
     family=CYCLONE_IV, dac=True, ethernet=EthernetChip(addresses=range(32), delays=False))

@@ -2,11 +2,12 @@
 
 import re
 
+from ncdc_boards.board import project_name
 from ncdc_boards.quartus.names import USER
 from ncdc_boards.quartus.sdc import constraints
 from ncdc_boards.quartus.user import user_module
 
-__all__ = ["USER_FILE", "assembled", "project_files", "project_name", "top_verilog"]
+__all__ = ["USER_FILE", "assembled", "project_files", "top_verilog"]
 
 USER_FILE = f"{USER}.v"
 """The user's file: written only if it does not exist."""
@@ -88,17 +89,12 @@ project_close
 """
 
 
-def project_name(board):
-    """Name of the project, of its files and of its top."""
-    return "ncdc_" + board.name.replace("-", "_")
-
-
 def top_verilog(design):
     """Verilog of the top and of all below it but the user's module."""
     return _prepared(design.board, design.board.top(design))["v"]
 
 
-def project_files(design, setup, sources=()):
+def project_files(design, sources=()):
     """Text of each file of the project, by name.
 
     ``ncdc_<board>.v`` (the top and all below it), ``.qpf``, ``.qsf`` (device, sources, pins),
@@ -108,12 +104,11 @@ def project_files(design, setup, sources=()):
     ----------
     design : ncdc_boards.camera_board.core.Design
         Design of a :class:`~ncdc_boards.quartus.board.QuartusBoard`.
-    setup : Setup
-        Configuration of the sensor.
     sources : sequence of str
         Names of more Verilog files, of a processor.
     """
     settings = "".join(f"set_global_assignment -name VERILOG_FILE {name}\n" for name in sources)
+    setup, _ = design.sensor
     return assembled(design.board, design.board.top(design), lambda ports: constraints(
         design, setup.timing.pixel_clock_hz / 1e6, ports), settings=settings)
 

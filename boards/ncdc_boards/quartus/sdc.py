@@ -71,11 +71,12 @@ PROCESSOR_GRAY_COUNTERS = ((
 _GRAY_PART = .8
 
 
-def check_sensor(mhz):
-    """:class:`InputError` if the sensor's pins come too late for a pixel clock.
+def check_sensor(settings):
+    """:class:`InputError` if the sensor's pins come too late for the pixel clock in its settings.
 
     They change with its falling edge and are taken with its rising one, half a period later.
     """
+    mhz = settings.get("pixel_clock_hz", 0) / 1e6
     limit = 500 / (_SENSOR_MAX + TRACE + _INPUT)
     if mhz > limit:
         raise InputError(f"the sensor's pixel clock is {mhz:g} MHz, its pins come {_SENSOR_MAX} "

@@ -11,15 +11,15 @@ CODES = 4               # levels of a sample: what two bits can name
 _PERIODS = 12           # of the grid along the longer side
 _LINE = .08             # width of a line, of the grid's period
 _RADII = 1, 4           # of the circles, in periods
-_BARS = np.array([[1, 1, 1], [1, 1, 0], [0, 1, 1], [0, 1, 0],
-                  [1, 0, 1], [1, 0, 0], [0, 0, 1], [0, 0, 0]])
-"""Colours of the bars from left to right: from the brightest one to the darkest."""
+_BARS = np.array([[1, 1, 0], [0, 1, 1], [0, 1, 0], [1, 0, 1], [1, 0, 0], [0, 0, 1]])
+"""Colours of the bars from left to right, the brightest one first."""
 
 
 def card_at(u, v, size):
     """Light (..., 3) in 0..1 of the card at the pixels (u, v) of a picture of ``size``.
 
-    White lines and circles are on dark colour bars. A line's edge is as wide as a pixel.
+    White lines and circles are on dark colour bars. In a wide picture a bar is as wide as two
+    meshes of the grid. A line's edge is as wide as a pixel.
     """
     width, height = size
     period = max(size) / _PERIODS

@@ -4,9 +4,9 @@ import tempfile
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from ncdc_boards.board import project_name
 from ncdc_boards.ecp5.build import prepared
-from ncdc_boards.ecp5.build import project_name as ecp5_name
-from ncdc_boards.quartus.project import project_name, top_verilog
+from ncdc_boards.quartus.project import top_verilog
 from ncdc_boards.quartus.user import user_module
 from ncdc_sim.board.ethernet import passed
 from ncdc_sim.board.screen import Screen, screen_of
@@ -165,12 +165,12 @@ def unplugged_at(microsecond, microseconds):
 
 def _top(design):
     """Name of the top, its Verilog, the bench's own files."""
+    name = project_name(design.board)
     if design.board.tools == "open":
         bench = _ULX3S if design.board.screen else _COLORLIGHT_I9
-        return ecp5_name(design.board), prepared(design).verilog, bench
+        return name, prepared(design)[f"{name}.v"], bench
     monitor = "vga_monitor.v" if design.board.dac else "vga_wire_monitor.v"
-    return (project_name(design.board), top_verilog(design) + user_module(),
-            (*_QUARTUS, monitor))
+    return name, top_verilog(design) + user_module(), (*_QUARTUS, monitor)
 
 
 def _screen(design):
