@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import ncdc_boards.camera_board.core as core
-from board_bench import HEIGHT, SMALL, WIDTH, Bench
+from board_bench import HEIGHT, SMALL, WIDTH, Bench, PatternBench
 from ncdc_boards.camera_board.design import hardware_for
 from ncdc_boards.catalogue import board
 from ncdc_boards.quartus import top as quartus_top
@@ -86,6 +86,22 @@ def test_the_screen_shows_the_golden_models_frames(name, request):
     assert None not in numbers[first:], "black after the first frame"
     assert numbers[first:] == sorted(numbers[first:])
     assert len(set(numbers[first:])) >= 3
+
+
+@pytest.mark.longer
+def test_a_board_without_a_camera_shows_the_test_card():
+    """The bench has no sensor, and the top no pins for one; buttons are as with a camera."""
+    bench = PatternBench("ulx3s", SMALL, (WIDTH, HEIGHT), rate=1000)
+    run = bench.run(30_000, optimise="-O1", events={"press_raw_us": 12_000, "hold_us": 15_000})
+    check(bench, run)
+    golden = {name: bench.golden(lens)[0] for name, lens in (("straight", 0), ("raw", -1))}
+    shown = []
+    for frame in run.screen.frames:
+        inner = bench.inside(frame)
+        shown += [name for name, one in golden.items() if np.array_equal(inner, one)] or [
+            "other" if inner.any() else "black"]
+    assert [name for name, before in zip(shown, [None, *shown]) if name != before] == [
+        "black", "straight", "raw"]
 
 
 @pytest.mark.regress
