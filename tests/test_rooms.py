@@ -5,6 +5,7 @@ Also how long a function may be."""
 import ast
 import subprocess
 import sys
+from functools import cache
 from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
 
@@ -45,10 +46,17 @@ def modules():
     return found
 
 
+@cache
+def nodes(text):
+    """Imports and functions of a module of this ``text``, wherever in it."""
+    return [node for node in ast.walk(ast.parse(text)) if isinstance(node, (
+        ast.Import, ast.ImportFrom, ast.FunctionDef, ast.AsyncFunctionDef))]
+
+
 def imported(text, known):
-    """Modules of ``known`` that a module of this ``text`` imports, wherever in it."""
+    """Modules of ``known`` that a module of this ``text`` imports."""
     names = set()
-    for node in ast.walk(ast.parse(text)):
+    for node in nodes(text):
         if isinstance(node, ast.Import):
             names |= {alias.name for alias in node.names}
         elif isinstance(node, ast.ImportFrom):
@@ -164,7 +172,7 @@ def too_large(texts):
     """Functions of more lines or parameters than allowed, as text."""
     found = []
     for name, text in texts.items():
-        for node in ast.walk(ast.parse(text)):
+        for node in nodes(text):
             if isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef)):
                 body = node.body[ast.get_docstring(node) is not None:] or node.body
                 lines = node.end_lineno - body[0].lineno + 1
