@@ -109,13 +109,13 @@ def _request(args):
 
 def _written(board, output, files):
     """Write the files, but no file of the user that is there; their part of the report."""
-    kept = [name for name in board.user_files if (output / name).exists()]
-    files = {name: content for name, content in files.items() if name not in kept}
+    existing = [name for name in board.user_files if (output / name).exists()]
+    files = {name: content for name, content in files.items() if name not in existing}
     for name, content in files.items():
         write = write_bytes if isinstance(content, bytes) else write_text
         write(output / name, content)
     return {"files": [str(output / name) for name in files],
-            "kept": [str(output / name) for name in kept]}
+            "kept": [str(output / name) for name in existing]}
 
 
 def _processor(args, design):
