@@ -60,8 +60,8 @@ types: $(DEV) ## mypy on the packages that pyproject.toml names
 
 bitstream: setup ## of a ULX3S without a camera, for the example's lens, into build/ulx3s
 	$(BIN)/ncdc demo -o build/demo
-	$(BIN)/ncdc train build/demo/points.json --neurons 8 --tansig table --size 640x480 \
-		-o build/ulx3s/net.toml
+	$(BIN)/ncdc train build/demo/points.json --neurons 8 --tansig table \
+		--interpolation gradient --size 640x480 -o build/ulx3s/net.toml
 	$(BIN)/ncdc build build/ulx3s/net.toml --board ulx3s --sensor pattern -o build/ulx3s
 
 dist: $(DEV) $(BITSTREAM) ## wheel, sources, bitstream (BITSTREAM=: without), dist/contents.txt

@@ -55,6 +55,11 @@ def net(tmp_path):
     ((64, 48), ["--sensor", "none"], "the sensor is 'none', known are mt9p031"),
     ((648, 480), ["--mode", "640x480"], "648x480 pixels, the mode 640x480 does not hold it: "
      "800x600 does"),
+    ((64, 48), ["--sensor", "pattern", "--field", "full", "--pixel-clock-mhz", "20"],
+     "field and pixel_clock_hz of the sensor pattern cannot be set: it has no registers"),
+    ((64, 48), ["--sensor", "pattern", "--board", "de0-cv"], "not supported on the de0-cv"),
+    ((64, 48), ["--synthesize-only", "--board", "de0-cv"], "de0-cv is synthesised by Quartus"),
+    ((64, 48), ["--board", "faka2"], "faka2 has no design of ours, .* generate --board faka2"),
     ((1024, 768), [], "1024x768 has a pixel clock of 65.00 MHz, .* takes 50 MHz at most"),
 ])
 def test_what_does_not_fit_is_rejected_in_a_sentence(size, options, said, tmp_path, capsys):
@@ -165,3 +170,23 @@ def test_the_flow_on_a_small_design(tmp_path):
     bits = pack(tmp_path, 1)
     # Lattice's bitstreams have this word before the first command.
     assert b"\xff\xff\xbd\xb3" in bits and b"LFE5U-85F" in bits[:200]
+
+
+@pytest.mark.regress
+def test_synthesis_alone_ends_with_the_netlist(net, tmp_path):
+    """Of the board without a camera: no bitstream, no pin of a camera, each clock constrained."""
+    output, report = tmp_path / "out", tmp_path / "report.json"
+    assert cli.main(["build", str(net), "--sensor", "pattern", "--synthesize-only",
+                     "-o", str(output), "--json", str(report)]) == 0
+    told = json.loads(report.read_text())
+    assert told["files"][0] == str(output / "ncdc_ulx3s.json")
+    assert sorted(told["files"]) == sorted(map(str, output.iterdir()))
+    netlist = json.loads((output / "ncdc_ulx3s.json").read_text())
+    top = netlist["modules"]["ncdc_ulx3s"]
+    assert any("hdmi" in port for port in top["ports"])
+    assert not any("camera" in port for port in top["ports"])
+    assert told["cells"]["LUT4"] == sum(cell["type"] == "LUT4" for cell in top["cells"].values())
+    targets = clock_plan(MODES[0]).targets()
+    assert {clock["name"]: clock["target_mhz"] for clock in told["clocks"]} == targets
+    preferences = (output / "ncdc_ulx3s.lpf").read_text()
+    assert all(f"{mhz * 1e6:.0f} HZ" in preferences for mhz in targets.values())
