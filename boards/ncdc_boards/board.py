@@ -4,7 +4,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, Protocol
 
-__all__ = ["Board", "Request", "WholeBoard", "project_name"]
+__all__ = ["Board", "PlannedBoard", "Request", "WholeBoard", "project_name"]
 
 
 @dataclass(frozen=True)
@@ -96,6 +96,20 @@ class WholeBoard(Board, Protocol):
 
     def rates(self, design: Any) -> dict:
         """Rates of memory and sensor per second, by the names of every report."""
+
+
+class PlannedBoard(WholeBoard, Protocol):
+    """A board whose memory ``ncdc plan`` judges.
+
+    Parameters
+    ----------
+    memory_bytes : int
+        Size of the memory.
+    """
+    memory_bytes: int
+
+    def budget(self, design: Any) -> Any:
+        """The :class:`~ncdc_boards.camera_board.budget.Budget` of a design."""
 
 
 def project_name(board):

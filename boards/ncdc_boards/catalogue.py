@@ -30,8 +30,8 @@ def board(name) -> Board:
 
 
 def board_for(command, name):
-    """The board called ``name``, if a command takes it; for build and plan it is a
-    :class:`~ncdc_boards.board.WholeBoard`.
+    """The board called ``name``, if a command takes it: for build a
+    :class:`~ncdc_boards.board.WholeBoard`, for plan a :class:`~ncdc_boards.board.PlannedBoard`.
 
     Raises
     ------

@@ -5,7 +5,6 @@ from ncdc.cli.common import write_report
 from ncdc.cli.field import field_lines, field_report
 from ncdc.cli.hardware import fixed_of
 from ncdc_boards.board import Request
-from ncdc_boards.camera_board.budget import budget_of
 from ncdc_boards.catalogue import board_for
 from ncdc_spec.errors import InputError
 from ncdc_spec.registers.system_values import memory_bytes
@@ -29,7 +28,7 @@ def plan_board(args, descriptor):
         Request(args.camera or Request.sensor, args.mode, settings_of(args, "field"),
                 lanes=args.pixels_per_clock, processor=args.system),
         planner(fixed_of(args), lines.append))
-    (setup, crop), budget = design.sensor, budget_of(design, design.sensor[0])
+    (setup, crop), budget = design.sensor, board.budget(design)
     if args.rate and budget.corrected_per_second < args.rate:
         raise InputError(
             f"{budget.corrected_per_second:.1f} frames per second are corrected on {board.name} "

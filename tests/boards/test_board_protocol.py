@@ -41,6 +41,8 @@ def test_a_design_has_what_commands_read(name):
         getattr(found, "screen", True))
     assert found.rates(design)["sensor_frames_per_second"] == setup.timing.frames_per_second
     assert found.tools in ("open", "quartus")
+    if "plan" in found.commands:
+        assert found.memory_bytes > 1e6 and found.budget(design).carried > 1e7
 
 
 @pytest.mark.longer

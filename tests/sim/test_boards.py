@@ -105,6 +105,17 @@ def test_a_board_without_a_camera_shows_the_test_card():
 
 
 @pytest.mark.regress
+def test_a_whole_screen_without_a_camera():
+    mode = mode_named("640x480")
+    bench = PatternBench("ulx3s", mode, mode.size, rate=60,
+                         hardware=replace(hardware_for(board("ulx3s")), strip=256))
+    run = bench.run(110_000, optimise="-O2")
+    check(bench, run)
+    numbers = bench.shown(run)
+    assert set(numbers[numbers.index(0):]) == {0}, "black after the first frame"
+
+
+@pytest.mark.regress
 def test_the_screen_shows_the_whole_field():
     """The initialisation program has the sensor skip and bin, and capture even the grid."""
     bench = Bench("ulx3s", SMALL, (WIDTH, HEIGHT), field="full")

@@ -42,7 +42,7 @@ class EthernetChip:
 
 @dataclass(frozen=True)
 class CameraBoard:
-    """What :class:`~ncdc_boards.board.WholeBoard` needs except the files, which depend on tools.
+    """What :class:`~ncdc_boards.board.PlannedBoard` needs but files, which depend on tools.
 
     Parameters
     ----------
@@ -142,9 +142,13 @@ class CameraBoard:
         sensor = pattern_sensor(descriptor.geometry, SENSOR_CLOCK_HZ)
         return sensor, PatternSensor(card_codes(descriptor), sensor[0].timing)
 
+    def budget(self, design):
+        """The :class:`~ncdc_boards.camera_board.budget.Budget` of a design."""
+        return budget_of(design, design.sensor[0])
+
     def rates(self, design):
         """Rates per second: bytes of memory and screen, frames of the sensor, corrected ones."""
-        budget = budget_of(design, design.sensor[0])
+        budget = self.budget(design)
         return {"memory_mb_per_second": budget.carried / 1e6,
                 "screen_mb_per_second": budget.screen / 1e6,
                 "sensor_frames_per_second": budget.frames_per_second,
