@@ -4,7 +4,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, Protocol
 
-__all__ = ["Board", "PlannedBoard", "Request", "WholeBoard", "project_name"]
+__all__ = ["Board", "CorrectorBoard", "PlannedBoard", "Request", "WholeBoard", "project_name"]
 
 
 @dataclass(frozen=True)
@@ -57,6 +57,23 @@ class Board(Protocol):
 
         ``sources``: names of more Verilog files, of a processor.
         """
+
+
+class CorrectorBoard(Board, Protocol):
+    """A board whose project is around a corrector of ``ncdc generate``, the design of ``files``.
+
+    Parameters
+    ----------
+    data_width : int
+        Bits of the corrector's memory ports.
+    multiplier_bits : int
+        18 or 27: what a multiplier block of the device multiplies.
+    left_to_user : dict
+        Parts that the project lacks: {what: why}.
+    """
+    data_width: int
+    multiplier_bits: int
+    left_to_user: dict
 
 
 class WholeBoard(Board, Protocol):

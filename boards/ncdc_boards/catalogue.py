@@ -31,7 +31,8 @@ def board(name) -> Board:
 
 def board_for(command, name):
     """The board called ``name``, if a command takes it: for build a
-    :class:`~ncdc_boards.board.WholeBoard`, for plan a :class:`~ncdc_boards.board.PlannedBoard`.
+    :class:`~ncdc_boards.board.WholeBoard`, for plan a :class:`~ncdc_boards.board.PlannedBoard`,
+    for generate a :class:`~ncdc_boards.board.CorrectorBoard`.
 
     Raises
     ------

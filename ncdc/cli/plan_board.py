@@ -32,7 +32,7 @@ def plan_board(args, descriptor):
     if args.rate and budget.corrected_per_second < args.rate:
         raise InputError(
             f"{budget.corrected_per_second:.1f} frames per second are corrected on {board.name} "
-            f"with {'screen and ' * board.screen}camera, {args.rate:g} are asked for: "
+            f"with {'screen and ' * bool(design.mode)}camera, {args.rate:g} are asked for: "
             f"{_what_fits(budget, args)}")
     needed = memory_bytes(design.system.descriptor, design.system.hardware, design.system.stores)
     report = {"digest": descriptor.digest, "board": board.name,
