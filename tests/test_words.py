@@ -90,7 +90,7 @@ def test_words(files):
 
 
 @pytest.mark.parametrize("name,text,word", [
-    ("sim/ncdc_sim/hdl/axi_checker.v", "    task breach(input rule);", "breach"),
+    ("tests/support/hdl/axi_checker.v", "    task breach(input rule);", "breach"),
     ("ncdc/cli/plan.py", "sink_chance = 3", "chance"),
     ("ncdc/cli/plan.py", '"""Beside the camera."""', "Beside"),
     ("ncdc_hdl/system.py", "# Place and route. No place is left.", "place"),

@@ -10,7 +10,7 @@ from PySide6.QtCore import QSettings
 
 from guis import SECONDS, announced, pixels_of, url_of
 from ncdc_host.gui.main_window import MainWindow
-from ncdc_sim.usb.backend import SimulatedUsb
+from simulations.usb_backend import SimulatedUsb
 
 STEP = 1        # that the chip's latency timer waits for, in ``Cable.wait``'s units
 

@@ -9,7 +9,6 @@ from amaranth.back import rtlil
 
 from ncdc_hdl.neural import classic, lvc, mmhbc
 from ncdc_hdl.neural.tansig import Tansig
-from ncdc_model.golden.tansig_tuning import monotonic_tuning
 from ncdc_spec.errors import InputError
 from ncdc_spec.tansig import (
     FRACTION_BITS,
@@ -21,6 +20,7 @@ from ncdc_spec.tansig import (
 )
 from ncdc_spec.tansig.lvc import quotient, quotient_error
 from ncdc_spec.tansig.mmhbc_bound import error_terms
+from tansig_tuning import monotonic_tuning
 from tansigs import DESIGNS, errors, every_magnitude, gateware, stimuli
 
 

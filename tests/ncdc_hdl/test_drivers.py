@@ -8,11 +8,11 @@ import pytest
 from systemrdl import RDLCompiler
 from systemrdl.node import RegNode
 
+from cocotb_run import design_of, run_cocotb
 from drivers import COUNTERS, WIDE, compile_c
 from ncdc_hdl.corrector import Corrector
 from ncdc_hdl.export.drivers.drivers import driver_files
 from ncdc_model.golden.tone import tone_named
-from ncdc_sim.cocotb_run import design_of, run_cocotb
 from ncdc_sim.tools import SimulationError
 from ncdc_spec.hardware import Hardware
 

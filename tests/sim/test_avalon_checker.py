@@ -2,19 +2,23 @@
 
 import pytest
 
+import ncdc_sim.runner
+import simulations
+from benches import avalon_checker, axi_checker, stream_checker
 from cases import cases
-from ncdc_sim.benches import avalon_checker, axi_checker, stream_checker
-from ncdc_sim.cocotb_run import Design, run_cocotb
-from ncdc_sim.runner import HDL
+from cocotb_run import Design, run_cocotb
 from ncdc_sim.tools import SIMULATORS
+
+FOLDERS = {avalon_checker: ncdc_sim.runner.HDL, axi_checker: simulations.HDL,
+           stream_checker: ncdc_sim.runner.HDL}
 
 
 @pytest.mark.parametrize("simulator", cases(SIMULATORS, longer=["verilator"]))
-@pytest.mark.parametrize("bench", [avalon_checker, axi_checker, stream_checker])
+@pytest.mark.parametrize("bench", FOLDERS)
 def test_rules(bench, simulator):
     name, four_states = bench.__name__.rpartition(".")[2], simulator == "icarus"
-    log = run_cocotb(Design(name, (HDL / f"{name}.v").read_text()), name, simulator,
-                     four_states=four_states)
+    design = Design(name, (FOLDERS[bench] / f"{name}.v").read_text())
+    log = run_cocotb(design, name, simulator, four_states=four_states)
     rules = [line.split()[2] for line in log.splitlines()
              if line.startswith(("AVALON-ERROR", "AXI-ERROR"))]
     assert rules == [rule for rule, _ in bench.VIOLATIONS + bench.UNKNOWN * four_states]

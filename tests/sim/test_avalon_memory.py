@@ -3,9 +3,9 @@
 import pytest
 
 from cases import cases
+from cocotb_run import run_cocotb
 from memory_model import memory_model
 from ncdc_model.planner.memory_timing import memory_timing
-from ncdc_sim.cocotb_run import run_cocotb
 from ncdc_sim.memory.timing import memory_settings
 from ncdc_sim.tools import SIMULATORS
 

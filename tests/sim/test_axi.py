@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from cameras import barrel_descriptor
+from cocotb_run import Design, run_cocotb
 from ncdc_hdl import corrector as corrector_module
 from ncdc_hdl.avalon.burst_writer import BurstWriter
 from ncdc_hdl.axi import top
@@ -14,16 +15,15 @@ from ncdc_hdl.axi.top import AxiTop
 from ncdc_hdl.axi.write_bridge import WriteBridge
 from ncdc_hdl.corrector import Corrector
 from ncdc_hdl.export.verilog.axi_cover import axi_verilog
-from ncdc_sim.cocotb_run import Design, run_cocotb
-from ncdc_sim.system.axi import adapted
 from ncdc_sim.system.corrector import corrector_program, simulate_correction
 from ncdc_sim.system.frame import simulate_frame
-from ncdc_sim.system.resets import simulate_resets
 from ncdc_sim.tools import SIMULATORS, SimulationError
 from ncdc_spec.cache_options import CacheOptions
 from ncdc_spec.frames import FrameAddresses, frame_bytes, raw_image
 from ncdc_spec.hardware import Hardware
 from ncdc_spec.registers.register_map import FAULT_MEMORY, registers
+from simulations.axi import adapted
+from simulations.resets import simulate_resets
 
 SIZE, RAW = (40, 32), (48, 40)
 CACHE = CacheOptions(64, pending=64, outstanding=8)

@@ -8,11 +8,11 @@ from ncdc_hdl.axi.top import AxiTop
 from ncdc_hdl.export.verilog.axi_cover import axi_verilog
 from ncdc_hdl.system import System
 from ncdc_sim.sensor.verilog import Light
-from ncdc_sim.system.axi import adapted
 from ncdc_sim.system.camera import simulate_camera
 from ncdc_spec.hardware import Hardware
 from ncdc_spec.sensors.catalogue import sensor_named, setup
 from ncdc_spec.sensors.sensor import Settings
+from simulations.axi import adapted
 
 WIDTH, HEIGHT = 64, 24
 

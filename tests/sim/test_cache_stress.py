@@ -15,10 +15,10 @@ from ncdc_hdl.backend.cache.fills import Fills
 from ncdc_hdl.backend.cache.interlock import Interlock
 from ncdc_hdl.backend.cache.retire import Retire
 from ncdc_hdl.backend.cache.tags import Tags
-from ncdc_sim.cache_stress import stress_cache
 from ncdc_sim.tools import SimulationError
 from ncdc_spec.cache_options import CacheOptions
 from ncdc_spec.interpolation import GRADIENT
+from simulations.cache_stress import stress_cache
 
 F = 10
 SMALL = CacheOptions(tiles=16, pending=8, outstanding=3, sequence_bits=5)

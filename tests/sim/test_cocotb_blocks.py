@@ -8,6 +8,7 @@ from functools import cache
 import pytest
 
 from cameras import barrel_descriptor
+from cocotb_run import design_of, run_cocotb
 from ncdc_hdl.avalon.burst_writer import BurstWriter
 from ncdc_hdl.backend.interpolator import Interpolator
 from ncdc_hdl.backend.multiport import Multiport
@@ -20,7 +21,6 @@ from ncdc_hdl.neural.neuron import HiddenNeuron, OutputNeuron
 from ncdc_hdl.neural.tansig import Tansig
 from ncdc_hdl.registers.agent import Registers
 from ncdc_hdl.registers.weight_store import in_memory
-from ncdc_sim.cocotb_run import design_of, run_cocotb
 from ncdc_sim.tools import SIMULATORS, SimulationError
 from ncdc_spec.descriptor import Formats
 from ncdc_spec.hardware import Hardware

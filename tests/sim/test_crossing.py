@@ -8,11 +8,11 @@ from amaranth.lib import wiring
 from amaranth.lib.cdc import FFSynchronizer
 from amaranth.lib.wiring import In, Out
 
+from cocotb_run import run_cocotb
 from ncdc_hdl.camera.capture import Capture
 from ncdc_hdl.camera.i2c import I2cController
-from ncdc_sim.cocotb_run import run_cocotb
-from ncdc_sim.metastability import Metastability, metastable_counts, metastable_design
 from ncdc_sim.tools import SimulationError
+from simulations.metastability import Metastability, metastable_counts, metastable_design
 
 regress = pytest.mark.regress
 

@@ -6,9 +6,9 @@ from dataclasses import replace
 
 import pytest
 
+from cocotb_run import run_cocotb
 from memory_model import memory_model
 from ncdc_model.planner.memory_timing import ddr3, sdram
-from ncdc_sim.cocotb_run import run_cocotb
 from ncdc_sim.memory.timing import memory_settings
 from ncdc_sim.tools import SIMULATORS, SimulationError
 

@@ -10,10 +10,10 @@ from cameras import barrel_descriptor
 from ncdc_hdl.corrector import Corrector
 from ncdc_hdl.export.verilog import verilog_of
 from ncdc_hdl.registers.agent import Registers
-from ncdc_sim.system.lens_change import simulate_lens_change
 from ncdc_sim.tools import SimulationError
 from ncdc_spec.hardware import Hardware
 from ncdc_spec.interpolation import FAST, GRADIENT
+from simulations.lens_change import simulate_lens_change
 
 BETWEEN = 2     # clocks from a frame's last to the next one's first
 

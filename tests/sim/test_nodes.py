@@ -13,11 +13,11 @@ from ncdc_model.planner.follow import camera_line, follow_bound
 from ncdc_model.planner.memory_timing import memory_timing
 from ncdc_sim.system.corrector import simulate_correction
 from ncdc_sim.system.frame import Program, simulate_frame
-from ncdc_sim.system.lens_change import simulate_lens_change
 from ncdc_spec.descriptor import Descriptor
 from ncdc_spec.errors import InputError
 from ncdc_spec.hardware import Hardware
 from ncdc_spec.registers.register_map import registers
+from simulations.lens_change import simulate_lens_change
 
 
 def at_nodes(nodes, size=(104, 30), neurons=4, **options):

@@ -5,9 +5,9 @@ import subprocess
 
 import pytest
 
+from cocotb_run import design_of, run_cocotb
 from ncdc_hdl.link.packet_queue import PacketQueue
 from ncdc_hdl.link.packetiser import Packetiser
-from ncdc_sim.cocotb_run import design_of, run_cocotb
 from ncdc_sim.tools import SimulationError
 from peers import need
 

@@ -10,7 +10,6 @@ from ncdc_hdl.avalon.read_fence import ReadFence
 from ncdc_hdl.backend.packer import Packer
 from ncdc_hdl.corrector import Corrector
 from ncdc_hdl.export.verilog import verilog_of
-from ncdc_sim.system.register_fuzz import simulate_register_fuzz
 from ncdc_spec.cache_options import CacheOptions
 from ncdc_spec.hardware import Hardware
 from ncdc_spec.registers.register_map import (
@@ -20,6 +19,7 @@ from ncdc_spec.registers.register_map import (
     FAULT_SOURCE,
     FAULT_TARGET,
 )
+from simulations.register_fuzz import simulate_register_fuzz
 
 CACHE = CacheOptions(64, pending=32, outstanding=8)
 BUILDS = {

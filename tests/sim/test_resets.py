@@ -8,10 +8,10 @@ import pytest
 from cameras import barrel_descriptor
 from ncdc_hdl.corrector import Corrector
 from ncdc_hdl.export.verilog import verilog_of
-from ncdc_sim.system.resets import simulate_resets
 from ncdc_sim.tools import SimulationError
 from ncdc_spec.cache_options import CacheOptions
 from ncdc_spec.hardware import Hardware
+from simulations.resets import simulate_resets
 
 SIZE = 32, 16
 LONGEST = {"hostile": 1500, "sdram": 700}       # clocks, about as many as a frame takes

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import sensors
-from ncdc_sim.cocotb_run import Design, run_cocotb
+from cocotb_run import Design, run_cocotb
 from ncdc_sim.sensor.verilog import AWAKE, Fault
 from ncdc_sim.tools import SimulationError
 from ncdc_spec.sensors.catalogue import SENSORS, sensor_named

@@ -2,8 +2,8 @@
 
 import pytest
 
+from cocotb_run import design_of, run_cocotb
 from ncdc_hdl.registers.serial_bridge import SerialBridge
-from ncdc_sim.cocotb_run import design_of, run_cocotb
 from ncdc_sim.tools import SIMULATORS
 from ncdc_spec.protocols.serial_link import crc8, read_request
 from ncdc_spec.registers.system_map import SYSTEM_WORDS_BITS

@@ -2,9 +2,9 @@
 
 import pytest
 
+from cocotb_run import design_of, run_cocotb
 from ncdc_hdl.avalon.native import NativeReader, NativeWriter
 from ncdc_hdl.avalon.wishbone import WishboneAgent
-from ncdc_sim.cocotb_run import design_of, run_cocotb
 from ncdc_sim.tools import SimulationError
 
 _BURST = 8

@@ -8,7 +8,6 @@ import pytest
 from cameras import barrel_descriptor
 from ncdc_hdl.export.verilog.system_cover import system_verilog
 from ncdc_hdl.system import System
-from ncdc_sim.metastability import Metastability, metastable_verilog
 from ncdc_sim.sensor.verilog import Fault, Light
 from ncdc_sim.system.camera import simulate_camera
 from ncdc_sim.system.live import Clocks
@@ -17,6 +16,7 @@ from ncdc_sim.waves import FORMATS, Waves
 from ncdc_spec.hardware import Hardware
 from ncdc_spec.sensors.catalogue import sensor_named, setup
 from ncdc_spec.sensors.sensor import Settings
+from simulations.metastability import Metastability, metastable_verilog
 
 regress = pytest.mark.regress
 

@@ -10,10 +10,10 @@ from ncdc_hdl.export.verilog import module_verilog
 from ncdc_hdl.usb.fifo import UsbFifo
 from ncdc_hdl.usb.fifo_bus import FifoBus
 from ncdc_hdl.usb.layouts import FT232H, FT601
-from ncdc_sim.metastability import Metastability, metastable_verilog
 from ncdc_sim.tools import SimulationError
-from ncdc_sim.usb import bus
-from ncdc_sim.usb.bus import simulate_bus
+from simulations import usb_bus as bus
+from simulations.metastability import Metastability, metastable_verilog
+from simulations.usb_bus import simulate_bus
 
 regress = pytest.mark.regress
 CORE = {"FT232H": 10_000, "FT601": 9_000}       # ps; the core's clock is the faster one

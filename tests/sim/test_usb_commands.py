@@ -2,10 +2,10 @@
 
 import pytest
 
+from cocotb_run import design_of, run_cocotb
 from ncdc_hdl.usb import mraw
 from ncdc_hdl.usb.commands import ByteCommands
 from ncdc_hdl.usb.view import SystemView
-from ncdc_sim.cocotb_run import design_of, run_cocotb
 from ncdc_sim.tools import SimulationError
 from ncdc_spec.registers.system_map import SYSTEM_WORDS_BITS, Stores, system_registers
 from ncdc_spec.sensors.catalogue import sensor_named

@@ -18,11 +18,11 @@ from ncdc_host.client.usb import UsbConnection, UsbDevice, UsbPort
 from ncdc_model.golden.corrector import correct
 from ncdc_sim.sensor.verilog import Light
 from ncdc_sim.system.running import running
-from ncdc_sim.usb.backend import SimulatedUsb
 from ncdc_spec.hardware import Hardware
 from ncdc_spec.protocols.features import system_word
 from ncdc_spec.sensors.catalogue import sensor_named, setup
 from ncdc_spec.sensors.sensor import Settings
+from simulations.usb_backend import SimulatedUsb
 
 # The model of a system takes a minute to compile.
 pytestmark = [pytest.mark.regress, pytest.mark.many_clocks]

@@ -13,11 +13,11 @@ from ncdc_hdl.export.verilog.cover import verilog_of
 from ncdc_hdl.video import vip_packets
 from ncdc_hdl.video.vip_packets import VipPackets
 from ncdc_sim.system.corrector import simulate_correction
-from ncdc_sim.system.vip import unpacked
 from ncdc_sim.tools import SIMULATORS, SimulationError
 from ncdc_spec.cache_options import CacheOptions
 from ncdc_spec.errors import InputError
 from ncdc_spec.hardware import Hardware
+from simulations.vip import unpacked
 
 SIZE, RAW = (40, 32), (48, 40)
 HARDWARE = Hardware(output="stream", video="vip", cache=CacheOptions(64, pending=64,

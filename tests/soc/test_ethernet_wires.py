@@ -5,8 +5,8 @@ import random
 import pytest
 from migen import passive, run_simulation
 
+from cocotb_run import run_cocotb
 from ethernet import DEVICES, PAIRED, mac_design, packets_design
-from ncdc_sim.cocotb_run import run_cocotb
 from ncdc_sim.tools import SimulationError
 from ncdc_soc.phy import nibbles as blocks
 from ncdc_soc.phy.nibbles import Receiver, Sender

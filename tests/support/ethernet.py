@@ -1,7 +1,6 @@
 """Ethernet on wires: LiteEth's MAC with one of our interfaces, as Verilog of a device's cells."""
 
 import functools
-from pathlib import Path
 
 from liteeth.mac.core import LiteEthMACCore
 from litex.build.altera import AlteraPlatform
@@ -10,16 +9,16 @@ from litex.build.lattice import LatticeECP5Platform
 from litex.gen import LiteXModule
 from migen import ClockDomain
 
-import ncdc_sim
+from cocotb_run import Design
 from ncdc_hdl.export.verilog import module_verilog
 from ncdc_hdl.link.packetiser import Packetiser
-from ncdc_sim.cocotb_run import Design
+from ncdc_sim.runner import hdl_text
 from ncdc_soc.phy import GmiiPhy, MiiPhy, RgmiiPhy
 from ncdc_soc.verilog import litex_verilog
+from simulations import HDL
 
 __all__ = ["DEVICES", "PAIRED", "mac_design", "packets_design"]
 
-_HDL = Path(ncdc_sim.__file__).parent / "hdl"
 _STREAM = {"valid": 1, "ready": 1, "last": 1, "data": 32, "last_be": 4, "error": 4}
 _DATA = {"rgmii": 4, "gmii": 8, "mii": 4}
 
@@ -88,7 +87,7 @@ def _mac(device, interface, late, paired, in_words=False):
     # What LiteX writes: assignments that wait in processes that do not, pins left open.
     lint = "\n".join(f"/* verilator lint_off {name} */"
                      for name in ("COMBDLY", "CMPCONST", "PINMISSING", "UNOPTFLAT"))
-    return "\n".join([lint, text, (_HDL / cells).read_text()])
+    return "\n".join([lint, text, hdl_text(cells)])
 
 
 @functools.cache
@@ -112,7 +111,7 @@ def mac_design(device, interface, late=False, paired=None, in_words=False):
         As :class:`~ncdc_soc.mac.Mac` is on a slow device, and with it the interface.
     """
     defines = f"`define {interface.upper()}\n" + ("`define LATE\n" if late else "")
-    bench = (_HDL / "ethernet_bench.v").read_text()
+    bench = (HDL / "ethernet_bench.v").read_text()
     mac = _mac(device, interface, late, paired, in_words)
     return Design("ethernet_bench", defines + bench + mac, delays=True)
 
@@ -129,6 +128,6 @@ def packets_design(device, capacity):
         Bytes of a payload, at most.
     """
     packetiser = module_verilog(Packetiser(32, capacity=capacity), "packetiser")
-    bench = (_HDL / "ethernet_packets_bench.v").read_text()
+    bench = (HDL / "ethernet_packets_bench.v").read_text()
     return Design("ethernet_packets_bench",
                   "\n".join([bench, packetiser, _mac(device, "rgmii", False, None)]), delays=True)

@@ -1,6 +1,6 @@
 """The memory model in Verilog as a design of its own, for the cocotb benches."""
 
-from ncdc_sim.cocotb_run import Design
+from cocotb_run import Design
 from ncdc_sim.runner import HDL
 
 __all__ = ["memory_model"]

@@ -2,10 +2,10 @@
 
 import numpy as np
 
+from benches.sensor import LIGHT
+from cocotb_run import Design, run_cocotb
 from ncdc_hdl.camera.i2c import I2cController
 from ncdc_hdl.export.verilog import module_verilog
-from ncdc_sim.benches.sensor import LIGHT
-from ncdc_sim.cocotb_run import Design, run_cocotb
 from ncdc_sim.sensor.verilog import Light, sensor_sources
 
 __all__ = ["controlled", "random_light", "run_sensor", "with_lines"]

@@ -1,1 +1,0 @@
-"""USB by an FTDI chip in simulation: its model, its bus, a host."""

@@ -1,0 +1,72 @@
+"""The tile cache's Verilog on random windows, with a random memory and a random sink."""
+
+import tempfile
+from pathlib import Path
+
+from ncdc_hdl.backend.layouts import request_layout, window_layout
+from ncdc_hdl.export.verilog import module_verilog
+from ncdc_sim.runner import build, command_of, run
+from ncdc_sim.tools import SimulationError
+from simulations import HDL
+
+__all__ = ["stress_cache"]
+
+TOP = "cache"
+
+
+def stress_cache(cache, *, groups, seed=1, resets=0):
+    """Run ``groups`` groups of windows through a :class:`ncdc_hdl.backend.cache.cache.Cache`.
+
+    See ``hdl/cache_main.cpp`` for what happens to it and what is checked.
+
+    Parameters
+    ----------
+    cache : Cache
+    groups : int
+        Groups of as many windows as the cache has lanes.
+    seed : int
+        Seed of all random behaviour.
+    resets : int
+        Frames of 256 that a reset cuts short.
+
+    Returns
+    -------
+    dict
+        ``windows`` compared, ``wrong`` ones among them, ``clocks``, ``tiles`` read, ``frames``
+        completed, ``resets``.
+
+    Raises
+    ------
+    SimulationError
+        If the cache reads a wrong tile, breaks a rule of its ports, or hangs.
+    """
+    needs = cache.options.interpolation
+    defines = {"NCDC_LANES": cache.lanes, "NCDC_DATA_WIDTH": cache.data_width,
+               "NCDC_TILES": cache.options.tiles, "NCDC_FRACTION_BITS": cache.f_bits,
+               "NCDC_CORE": needs.core, "NCDC_MARGIN": needs.margin,
+               "NCDC_TILE_HEIGHT": needs.tile_height, "NCDC_TILE_ROWS": needs.tile_rows,
+               "NCDC_BOX_ROWS": needs.box_rows, "NCDC_BOX_WORD": needs.box_word(cache.lanes)}
+    for letter, layout in (("I", request_layout(cache.f_bits, cache.lanes, needs)),
+                           ("O", window_layout(cache.f_bits, cache.lanes, needs))):
+        fields, lanes = dict(layout), 0
+        if cache.lanes > 1:
+            lanes = layout["lane"].shape.elem_shape.size
+            fields |= dict(layout["lane"].shape.elem_shape)
+        defines |= {f"{letter}_{name.upper()}": field.offset for name, field in fields.items()}
+        defines[f"{letter}_LANE"] = lanes
+    flags = " ".join(f"-D{name}={value}" for name, value in sorted(defines.items()))
+    program = build("cache-stress", TOP, [(f"{TOP}.v", module_verilog(cache, TOP))],
+                    main=HDL / "cache_main.cpp", options=("-CFLAGS", flags))
+    results = {}
+
+    def keep(line):
+        kind, *values = line.split() or [""]
+        if kind == "RESULT":
+            results[values[0]] = int(values[1])
+
+    with tempfile.TemporaryDirectory(prefix="ncdc-") as name:
+        run([*command_of(program), f"seed={seed}", f"groups={groups}", f"resets={resets}"],
+            Path(name), keep)
+    if "wrong" not in results:
+        raise SimulationError("the simulation ended without a result")
+    return results
