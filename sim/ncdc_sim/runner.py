@@ -18,7 +18,7 @@ from ncdc_sim.tools import (
     version,
 )
 
-__all__ = ["HDL", "build", "command_of", "hdl_text", "run"]
+__all__ = ["HDL", "build", "build_bench", "command_of", "hdl_text", "run"]
 
 HDL = Path(__file__).parent / "hdl"
 
@@ -88,6 +88,19 @@ def build(name, top, sources, *, defines=None, simulator="verilator", main=None,
 
     key = key_of(name, simulator, version(simulator), *command[1:], *sum(texts, ()))
     return built(key, compile_in) / program
+
+
+def build_bench(name, top, sources, *, simulator="verilator", defines=None, options=(), **more):
+    """:func:`build` of a bench whose clocks are inputs; ``hdl/bench_main.cpp`` has their names.
+
+    Under Icarus ``hdl/bench_clocks.v`` drives them.
+    """
+    if simulator == "icarus":
+        sources = [("bench_clocks.v", hdl_text("bench_clocks.v")), *sources]
+        defines = {**(defines or {}), "NCDC_BENCH": top}
+        return build(name, "bench_clocks", sources, simulator=simulator, defines=defines, **more)
+    return build(name, top, sources, simulator=simulator, defines=defines,
+                 main=HDL / "bench_main.cpp", options=("--prefix", "Vbench", *options), **more)
 
 
 def _coverage():

@@ -6,7 +6,7 @@ from fractions import Fraction
 from pathlib import Path
 
 from ncdc_hdl.export.verilog import module_verilog
-from ncdc_sim.runner import HDL, build, command_of, run
+from ncdc_sim.runner import HDL, build_bench, command_of, run
 from ncdc_sim.tools import SimulationError
 
 __all__ = ["ALONE", "ANYWHERE", "CORRECTOR", "Host", "ONWARDS", "SILENT", "chip_parameters",
@@ -87,12 +87,8 @@ def run_sdram(controller, hosts, *, clocks, clock_hz, simulator="verilator", **s
     sources = [("controller.v", module_verilog(controller, "sdram_controller")),
                ("sdram_dut.v", _dut(controller, parameters)),
                *((name, (HDL / name).read_text()) for name in names)]
-    top, main = "sdram_bench", HDL / "sdram_main.cpp"
-    if simulator == "icarus":
-        top, main = "sdram_clock", None
-        sources.append(("sdram_clock.v", (HDL / "sdram_clock.v").read_text()))
-    program = build("sdram", top, sources, defines=defines, simulator=simulator, main=main,
-                    optimise="-O2" if clocks > 300_000 else "-O0")
+    program = build_bench("sdram", "sdram_bench", sources, defines=defines, simulator=simulator,
+                          optimise="-O2" if clocks > 300_000 else "-O0")
     plusargs = {"clocks": clocks, "seed": settings.get("seed", 1),
                 "resets": settings.get("resets", 0)} | settings.get("times", {})
     plusargs |= {name: "".join(f"{getattr(host, field):02x}" for host in reversed(hosts))

@@ -26,7 +26,7 @@ from ncdc_boards.sdram.init_refresh import InitRefresh
 from ncdc_boards.sdram.segments import Segments
 from ncdc_boards.sdram.write_words import WriteWords
 from ncdc_sim.builds import built, key_of
-from ncdc_sim.runner import HDL, build, command_of, run
+from ncdc_sim.runner import HDL, build_bench, command_of, run
 from ncdc_sim.sdram import (
     ALONE,
     ANYWHERE,
@@ -232,9 +232,9 @@ def litedram(chip, name, **times):
     text = (SUPPORT / "hdl/sdram_litedram.v").read_text().replace(
         "CHIP_PARAMETERS) chip", ", ".join(f".{key}({value})" for key, value in
                                            parameters.items()) + ") chip")
-    program = build("sdram-litedram", "sdram_bench", [
+    program = build_bench("sdram-litedram", "sdram_bench", [
         ("litedram.v", (made / "litedram.v").read_text()), ("sdram_litedram.v", text),
-        ("sdram_chip.v", (HDL / "sdram_chip.v").read_text())], main=HDL / "sdram_main.cpp",
+        ("sdram_chip.v", (HDL / "sdram_chip.v").read_text())],
         optimise="-O0", options=("-Wno-fatal", "-Wno-COMBDLY"))
     results, rules = {}, set()
 

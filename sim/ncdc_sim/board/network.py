@@ -18,7 +18,7 @@ from ncdc_hdl.export.verilog import module_verilog
 from ncdc_hdl.link.processor import LINK_BASE
 from ncdc_hdl.video.modes import VideoMode
 from ncdc_sim.link.mac import mac_verilog
-from ncdc_sim.runner import HDL, build, command_of
+from ncdc_sim.runner import HDL, build_bench, command_of
 from ncdc_sim.sdram import chip_parameters
 from ncdc_sim.sensor.reference import raw_frames
 from ncdc_sim.sensor.verilog import Light, sensor_sources
@@ -105,9 +105,8 @@ class NetworkModel:
                    ("sdram_chip.v", (HDL / "sdram_chip.v").read_text()), *sensor_sources()]
         # LiteX's Verilog is others': its warnings are not ours to mend. Cells with delays are
         # among those that are not used.
-        return build("network", "network_bench", sources, main=HDL / "network_main.cpp",
-                     optimise=optimise, options=("--no-timing", "-Wno-fatal", "-CFLAGS",
-                                                 "-fno-tree-slp-vectorize"))
+        return build_bench("network", "network_bench", sources, optimise=optimise, options=(
+            "--no-timing", "-Wno-fatal", "-CFLAGS", "-fno-tree-slp-vectorize"))
 
 
 def _slow(size):
@@ -147,10 +146,15 @@ class NetworkRun:
         self._folder = tempfile.TemporaryDirectory(prefix="ncdc-")
         folder, model = Path(self._folder.name), self.model
         (folder / "sensor.bin").write_bytes(model.light.data())
-        settings = {
-            "clk_period": 10**12 // model.design.core_hz, "line_period": 10**12 // LINE_HZ,
-            "extclk_period": 10**12 // _PIXEL_CLOCK_HZ,
-            "pixel_period": round(1e6 / model.design.clocks.pixel_mhz) if self._screen else 0,
+        periods = {
+            "clk": 10**12 // model.design.core_hz, "line": 10**12 // LINE_HZ,
+            "extclk": 10**12 // _PIXEL_CLOCK_HZ,
+            "pixel": round(1e6 / model.design.clocks.pixel_mhz) if self._screen else 0}
+        settings = {f"{name}_period": period for name, period in periods.items()}
+        # The first edges of no two clocks come together.
+        settings |= {f"{name}_phase": period // 2 + 500 * k
+                     for k, (name, period) in enumerate(periods.items())}
+        settings |= {
             "pace": _PACE, "poll": _POLL, "timeout": _TIMEOUT}
         self._process = subprocess.Popen(
             [*command_of(model.program), *(f"+{key}={value}" for key, value in settings.items()),

@@ -13,7 +13,7 @@
 // An access begins `pace` clocks after the one before it, if not later, those of operation 4
 // `poll` clocks: a processor's program takes time.
 //
-// Clocks come from network_main.cpp: the core's, the line's of 125 MHz, the sensor's, the screen's.
+// Clocks come from bench_main.cpp: the core's, the line's of 125 MHz, the sensor's, the screen's.
 // Between core and SDRAM is a register each way, as in the pins' cells of a board.
 //
 // wire.bin is what the line carries: for each frame its first byte's clock of the line and that after

@@ -8,7 +8,7 @@ from pathlib import Path
 from ncdc_sim.memory.litedram import LiteDram, litedram_sources
 from ncdc_sim.memory.timing import memory_settings, simulated_memory
 from ncdc_sim.ports import ports_of
-from ncdc_sim.runner import HDL, build, command_of, hdl_text
+from ncdc_sim.runner import HDL, build_bench, command_of, hdl_text
 from ncdc_sim.runner import run as run_program
 from ncdc_sim.tools import SimulationError
 from ncdc_sim.waves import Waves, build_options, recorded
@@ -320,12 +320,8 @@ def _bench(module, memory, run, end):
         options += ("-Wno-fatal",)
     else:
         sources += [(name, (HDL / name).read_text()) for name in MODEL]
-    top = "frame_bench"
-    if simulator == "icarus":
-        top = "frame_clock"
-        sources.insert(0, ("frame_clock.v", (HDL / "frame_clock.v").read_text()))
-    return build("frame", top, sources, defines=defines, simulator=simulator,
-                 main=HDL / "frame_main.cpp", options=options)
+    return build_bench("frame", "frame_bench", sources, defines=defines, simulator=simulator,
+                       options=options)
 
 
 class _Listener:

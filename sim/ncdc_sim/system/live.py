@@ -10,7 +10,7 @@ from pathlib import Path
 from ncdc_hdl.export.verilog.system_cover import SYSTEM
 from ncdc_sim.memory.timing import memory_settings, simulated_memory
 from ncdc_sim.ports import ports_of
-from ncdc_sim.runner import HDL, build, command_of, hdl_text
+from ncdc_sim.runner import build_bench, command_of, hdl_text
 from ncdc_sim.sensor.verilog import Fault, sensor_sources
 from ncdc_sim.tools import SimulationError, environment
 from ncdc_sim.waves import Waves, build_options, recorded
@@ -138,12 +138,8 @@ class LiveSystem:
         defines |= {"NCDC_STREAM": ports["stream_data"] // 24} if self.stream else {}
         sources = [*((name, hdl_text(name)) for name in _BENCH), *sensor_sources(),
                    ("ncdc_system.v", verilog)]
-        top = "system_bench"
-        if simulator == "icarus":
-            top = "system_clock"
-            sources.insert(0, ("system_clock.v", (HDL / "system_clock.v").read_text()))
-        return build("system", top, sources, defines=defines, simulator=simulator,
-                     main=HDL / "system_main.cpp", options=(*_OPTIONS, *options))
+        return build_bench("system", "system_bench", sources, defines=defines,
+                           simulator=simulator, options=(*_OPTIONS, *options))
 
     def __enter__(self):
         return self

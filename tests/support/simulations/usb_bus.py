@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from ncdc_hdl.export.verilog import module_verilog
-from ncdc_sim.runner import HDL, build, command_of, run
+from ncdc_sim.runner import HDL, build_bench, command_of, run
 from ncdc_sim.tools import SimulationError
 from simulations import HDL as OWN
 
@@ -91,13 +91,8 @@ def simulate_bus(fifo, *, up, down, simulator="verilator", timed=False, verilog=
     files = [HDL / "ft245_chip.v", OWN / "usb_bench.v"]
     text = verilog or module_verilog(fifo, "dut")
     sources = [("dut.v", "`timescale 1ps/1ps\n" + text)]
-    if simulator == "icarus":
-        files.append(OWN / "usb_clock.v")
     sources += [(path.name, path.read_text()) for path in files]
-    # The loop of the system's bench drives two clocks of any module with ports of that name.
-    program = build("usb", "usb_clock" if simulator == "icarus" else "usb_bench", sources,
-                    defines=defines, simulator=simulator, main=HDL / "system_main.cpp",
-                    options=("--prefix", "Vsystem_bench"))
+    program = build_bench("usb", "usb_bench", sources, defines=defines, simulator=simulator)
     plusargs = {"up": up, "down": down, "extclk_period": round(1e12 / chip.clock_hz), **options}
     results, lines = {}, []
 

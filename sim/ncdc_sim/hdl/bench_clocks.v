@@ -1,8 +1,9 @@
-// The clocks of the system bench for simulators that keep time themselves.
+// The clocks of the bench `NCDC_BENCH for simulators that keep time themselves. Plusargs: those of
+// bench_main.cpp for clk and extclk.
 
 `timescale 1ps/1ps
 
-module system_clock;
+module bench_clocks;
     integer clk_period, extclk_period, extclk_phase;
     reg clk = 0, extclk = 0;
     initial begin
@@ -17,7 +18,7 @@ module system_clock;
             end
         join
     end
-    system_bench bench (.clk(clk), .extclk(extclk));
+    `NCDC_BENCH bench (.*);
 
     string waves;                       // file of the waveforms, if there are to be any
     initial
