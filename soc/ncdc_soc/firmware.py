@@ -30,7 +30,7 @@ from ncdc_spec.sensors.framing import Crop, field_values
 from ncdc_spec.sensors.waking import wake_times
 from ncdc_spec.white_balance import GAIN_BITS, LARGEST_GAIN, UNITY
 
-__all__ = ["FIRMWARE", "Identity", "config", "firmware_image", "host_program"]
+__all__ = ["FIRMWARE", "SOURCES", "Identity", "config", "firmware_image"]
 
 FIRMWARE = Path(__file__).resolve().parent / "firmware_source"
 _SPECS = "picolibc.specs"       # of the C library
@@ -38,12 +38,11 @@ _COMPILER = "riscv64-unknown-elf-gcc"
 _I2C_QUARTER_MIN = 8      # clocks
 _USERS = 8                  # of Table I at a time
 _SENSOR_LAST = 0xFF         # address of the sensor's last register
-_SOURCES = ("start.S", "main.c", "net.c", "table.c", "gvcp.c", "gvcp_control.c", "gvcp_read.c",
+SOURCES = ("start.S", "main.c", "net.c", "table.c", "gvcp.c", "gvcp_control.c", "gvcp_read.c",
             "gvcp_write.c", "auto.c", "stream.c", "frames.c", "mraw.c", "words.c", "sensor.c",
             "interrupt.c", "phy.c", "mdio.c", "ip.c", "eth.c", "uart.c", "memory.c")
 # Of these what answers GVCP has no part that takes long.
 _SLOW = ("main.c", "gvcp_write.c", "auto.c", "words.c", "phy.c", "mdio.c", "uart.c")
-_ON_TARGET = ("start.S", "main.c", "memory.c")      # what a PC does without
 _OPTIONS = ("-march=rv32im", "-mabi=ilp32", "-ffunction-sections", "-fdata-sections",
             "-ffreestanding", "-fbuiltin", "-fno-tree-loop-distribute-patterns",
             "-std=c11", "-Wall", "-Wextra", "-Werror", "-nostartfiles", f"--specs={_SPECS}",
@@ -366,7 +365,7 @@ def firmware_image(text, soc, folder):
     # lwIP's headers are third-party code, whose warnings are ignored.
     headers = [f"-I{folder}", f"-I{FIRMWARE}", f"-I{FIRMWARE / 'lwip_port'}", "-isystem",
                str(lwip / "include")]
-    fast = [FIRMWARE / name for name in _SOURCES if name not in _SLOW]
+    fast = [FIRMWARE / name for name in SOURCES if name not in _SLOW]
     for name, options, sources in (("fast", _FAST, fast),
                                    ("slow", _SMALL, [FIRMWARE / name for name in _SLOW]),
                                    ("lwip", _SMALL, [lwip / name for name in FILES])):
@@ -383,24 +382,6 @@ def firmware_image(text, soc, folder):
     image = binary.read_bytes()
     words = [word for word, in struct.iter_unpack("<I", image + bytes(-len(image) % 4))]
     return words, code + data, data + zeros
-
-
-def host_program(text, folder, name="fuzz"):
-    """Program of ``firmware/host/<name>.c``: the firmware on this machine, under sanitizers.
-
-    ``text`` is that of ``config.h``, ``folder`` exists. Raises :class:`InputError` as
-    :func:`firmware_image` does.
-    """
-    folder, lwip = Path(folder), lwip_source()
-    (folder / "config.h").write_text(text)
-    ours = [str(FIRMWARE / name) for name in (*_SOURCES, f"host/{name}.c")
-            if name not in _ON_TARGET]
-    _run(["gcc", "-std=gnu11", "-O1", "-g", "-fsanitize=address,undefined",
-          "-fno-sanitize-recover=all", "-DFIRMWARE_HOST", "-Wall", "-Wextra", "-Werror",
-          f"-I{folder}", f"-I{FIRMWARE}", f"-I{FIRMWARE / 'lwip_port'}", "-isystem",
-          str(lwip / "include"), *ours, *(str(lwip / name) for name in FILES),
-          "-o", str(folder / name)])
-    return folder / name
 
 
 def _run(command, folder=None):

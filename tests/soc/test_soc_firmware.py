@@ -6,9 +6,10 @@ import subprocess
 import pytest
 
 from cameras import barrel_descriptor
+from firmware_host import host_program
 from ncdc_soc.board import ROM_BYTES
 from ncdc_soc.core import SocCore
-from ncdc_soc.firmware import FIRMWARE, config, firmware_image, host_program
+from ncdc_soc.firmware import FIRMWARE, config, firmware_image
 from ncdc_soc.processor import MAP
 from ncdc_soc.soc import soc_verilog
 from ncdc_spec.hardware import Hardware
@@ -64,7 +65,7 @@ def fuzzed(program, frames, seed):
 
 @pytest.fixture(scope="module")
 def program(soc, tmp_path_factory):
-    return host_program(soc[1], tmp_path_factory.mktemp("host"))
+    return host_program(soc[1], tmp_path_factory.mktemp("host"), "fuzz")
 
 
 def reached(frames, answers, commands, pictures, resends, requests, packages):
@@ -85,14 +86,13 @@ def test_a_million_frames(program):
 
 
 @pytest.mark.longer
-def test_a_planted_overflow_is_found(soc, tmp_path, monkeypatch):
+def test_a_planted_overflow_is_found(soc, tmp_path):
     sources = tmp_path / "firmware"
     subprocess.run(["cp", "-r", str(FIRMWARE), str(sources)], check=True)
     text = (sources / "gvcp.c").read_text()
     rule = "count > GVCP_MEMORY_MAX"
     assert text.count(rule) == 1
     (sources / "gvcp.c").write_text(text.replace(rule, "count > GVCP_MEMORY_MAX + 64"))
-    monkeypatch.setattr("ncdc_soc.firmware.FIRMWARE", sources)
-    planted = host_program(soc[1], tmp_path)
+    planted = host_program(soc[1], tmp_path, "fuzz", sources)
     done = subprocess.run([planted, "100000", "1"], capture_output=True, text=True)
     assert done.returncode and "AddressSanitizer" in done.stderr

@@ -7,8 +7,8 @@ import pytest
 
 from cameras import barrel_descriptor
 from devices import device, small_lens
+from firmware_host import host_program
 from firmware_wire import CLIENT_IP, TcpUser, Wire, wire_config
-from ncdc_soc.firmware import host_program
 from ncdc_spec.protocols import gvcp
 from ncdc_spec.protocols.features import FEATURES, feature
 from ncdc_spec.protocols.genicam import genicam_xml

@@ -7,8 +7,9 @@ from scapy.layers.inet import IP, TCP, UDP
 from scapy.layers.l2 import ARP, Ether
 from scapy.packet import Raw
 
+from firmware_host import host_program
 from ncdc_soc.core import SocCore
-from ncdc_soc.firmware import Identity, config, host_program
+from ncdc_soc.firmware import Identity, config
 from ncdc_soc.soc import soc_verilog
 from ncdc_spec.hardware import Hardware
 from ncdc_spec.protocols import gvcp

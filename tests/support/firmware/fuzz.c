@@ -4,26 +4,11 @@
  * Arguments: number of frames, seed. Prints how many frames came and were answered, and how many
  * commands and pictures there were, of GVCP and of Tables I and II. A run that reaches nothing shows
  * in these counts. */
-#include <stdbool.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 #include <unistd.h>
 
-#include "../auto.h"
-#include "../eth.h"
-#include "../gvcp.h"
-#include "../hw.h"
-#include "../interrupt.h"
-#include "../mraw.h"
-#include "../net.h"
-#include "../sensor.h"
-#include "../stream.h"
-#include "../table.h"
-#include "../uart.h"
-#include "../words.h"
+#include "machine.h"
+#include "mraw.h"
 
-#define WORDS 0x20000		/* of each region of registers */
 #define PEERS 10		/* of Table I; more than its limit of connections */
 #define PEER_PORT 40000
 
@@ -36,8 +21,7 @@ static struct peer {
 	uint32_t next, expected;	/* byte that it sends next, that it awaits */
 } peers[PEERS], stray;			/* who is gone, and still gets segments */
 
-static uint32_t core[WORDS], csr[0x4000], slot[ETHMAC_SLOT_BYTES / 4], out[2 * ETHMAC_SLOT_BYTES / 4];
-static uint32_t length, pending, answers, clocks;
+static uint32_t answers, clocks;
 static uint64_t state;
 
 static uint32_t random32(void)
@@ -55,45 +39,28 @@ uint32_t reg_read(uint32_t address)
 	case NCDC_I2C_RESULT:
 		return random32() % 64 ? random32() & (0xff | NCDC_I2C_RESULT_BUSY)
 				       : NCDC_I2C_RESULT_NACK;
-	case NCDC_CAMERA_STATUS: return NCDC_CAMERA_STATUS_CORRECTED_FRAME |
-					NCDC_CAMERA_STATUS_RAW_FRAME;
 	case NCDC_READER0: case NCDC_READER0 + 4:
 	case NCDC_READER0 + 8:
 		return (random32() % 256 ? NCDC_READER0_HELD : 0) | (random32() % 4) << NCDC_READER0_BUFFER_SHIFT;
 	case LINK_STATUS:
 		return random32() & (random32() % 4 ? LINK_STATUS_DONE : LINK_STATUS_DONE |
 				     LINK_STATUS_BUSY | LINK_STATUS_RESENDING);
-	case CSR_ETHMAC_SRAM_WRITER_EV_PENDING: return pending;
-	case CSR_ETHMAC_SRAM_WRITER_LENGTH: return length;
-	case CSR_ETHMAC_SRAM_WRITER_SLOT: return 0;
-	case CSR_ETHMAC_SRAM_READER_READY: return 1;
-	case CSR_ETHMAC_SRAM_READER_LEVEL: return 0;
-	case CSR_UART_TXFULL: return 0;
 	}
-	if (address - ETHMAC_RX_BASE < sizeof slot)
-		return slot[(address - ETHMAC_RX_BASE) / 4];
-	if (address - FRAMES_BASE < 0x10000000)
-		return address;
-	if (address - NCDC_BASE < sizeof core)
-		return core[(address - NCDC_BASE) / 4];
-	if (address - CSR_CTRL_RESET < sizeof csr)
-		return csr[(address - CSR_CTRL_RESET) / 4];
-	fprintf(stderr, "nothing to read at %#x\n", address);
-	abort();
+	return machine_read(address);
 }
 
-/* The processor's interrupts: the loop calls `interrupted` itself. */
-void interrupts_let(uint32_t lines)
+void reg_write(uint32_t address, uint32_t value)
 {
-	(void)lines;
+	machine_write(address, value);
 }
 
 /* Looks at a frame that was sent: where its connection is. */
-static void answered(const uint8_t *frame)
+void sent(const uint8_t *frame, uint32_t size)
 {
 	const uint8_t *ip = frame + ETH_HEADER, *tcp = ip + IP_HEADER;
 	uint32_t port = get16(tcp + 2), k = port % PEERS, flags = tcp[13];
 
+	(void)size;
 	++answers;
 	if (get16(frame + 12) != ETH_IP || ip[9] != 6 || get16(tcp) != TABLE_PORT)
 		return;
@@ -108,29 +75,6 @@ static void answered(const uint8_t *frame)
 		peers[k].next = get32(tcp + 8);
 	peers[k].expected = get32(tcp + 4) + get16(ip + 2) - IP_HEADER - (tcp[12] >> 4) * 4 +
 			    !!(flags & (SYN | FIN));
-}
-
-void reg_write(uint32_t address, uint32_t value)
-{
-	if (address % 4) {
-		fprintf(stderr, "%#x is no word\n", address);
-		abort();
-	}
-	if (address == CSR_ETHMAC_SRAM_WRITER_EV_PENDING)
-		pending = 0;
-	else if (address == CSR_ETHMAC_SRAM_READER_START)
-		answered((const uint8_t *)out +
-			 csr[(CSR_ETHMAC_SRAM_READER_SLOT - CSR_CTRL_RESET) / 4] * ETHMAC_SLOT_BYTES);
-	else if (address - ETHMAC_TX_BASE < sizeof out)
-		out[(address - ETHMAC_TX_BASE) / 4] = value;
-	else if (address - NCDC_BASE < sizeof core)
-		core[(address - NCDC_BASE) / 4] = value;
-	else if (address - CSR_CTRL_RESET < sizeof csr)
-		csr[(address - CSR_CTRL_RESET) / 4] = value;
-	else {
-		fprintf(stderr, "nothing to write at %#x\n", address);
-		abort();
-	}
 }
 
 /* An address that a command may hit: often one where there is something. */
@@ -336,10 +280,7 @@ int main(int count, char **arguments)
 	state = count > 2 ? strtoul(arguments[2], 0, 10) : 1;
 	/* A loop that stands still is a finding too. */
 	alarm(60 + frames / 500);
-	interrupt_begin();
-	words_begin();
-	gvcp_begin();
-	net_begin();
+	machine_begin();
 	for (uint32_t k = 0; k < frames; ++k) {
 		memset(slot, 0, sizeof slot);
 		length = any(frame);
@@ -353,12 +294,7 @@ int main(int count, char **arguments)
 		pending = 1;
 		if (random32() % 2)
 			interrupted();
-		sensor_poll();
-		net_poll();
-		stream_poll();
-		gvcp_poll();
-		table_poll();
-		auto_poll();
+		machine_turn();
 		if (pending) {
 			fprintf(stderr, "frame %u stays\n", k);
 			return 1;

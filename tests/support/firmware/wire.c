@@ -11,29 +11,13 @@
  * BLUE" ask for what the rules of auto.h say. The answer to these begins with "v", in decimal.
  * The sensor's registers take what is written; all but the identity and the gain are 0 at first. A
  * new frame is complete whenever time passes. */
-#include <stdbool.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
+#include "machine.h"
 
-#include "../auto.h"
-#include "../eth.h"
-#include "../gvcp.h"
-#include "../hw.h"
-#include "../interrupt.h"
-#include "../net.h"
-#include "../sensor.h"
-#include "../stream.h"
-#include "../table.h"
-#include "../words.h"
-
-#define WORDS 0x20000		/* of the core's registers */
 #define TURNS 300		/* of the loop for a frame: more than any answer needs */
 #define TURN_CLOCKS 50
 #define STEP_MS 5
 
-static uint32_t core[WORDS], csr[0x4000], slot[ETHMAC_SLOT_BYTES / 4], out[2 * ETHMAC_SLOT_BYTES / 4];
-static uint32_t length, pending, link_status;
+static uint32_t link_status;
 static uint64_t now;
 
 /* The sensor at the I2C bus: registers of 16 bits at addresses of 8, which count on by themselves. */
@@ -112,71 +96,36 @@ uint32_t reg_read(uint32_t address)
 	case NCDC_TIME_LOW: return (uint32_t)now;
 	case NCDC_TIME_HIGH: return (uint32_t)(now >> 32);
 	case NCDC_I2C_RESULT: return i2c_result;
-	case NCDC_CAMERA_STATUS: return NCDC_CAMERA_STATUS_CORRECTED_FRAME |
-					NCDC_CAMERA_STATUS_RAW_FRAME;
 	case NCDC_READER0: case NCDC_READER0 + 4: case NCDC_READER0 + 8: return NCDC_READER0_HELD;
 	case LINK_STATUS: return link_status;
-	case CSR_ETHMAC_SRAM_WRITER_EV_PENDING: return pending;
-	case CSR_ETHMAC_SRAM_WRITER_LENGTH: return length;
-	case CSR_ETHMAC_SRAM_WRITER_SLOT: return 0;
-	case CSR_ETHMAC_SRAM_READER_READY: return 1;
-	case CSR_ETHMAC_SRAM_READER_LEVEL: return 0;
-	case CSR_UART_TXFULL: return 0;
 	}
-	if (address - ETHMAC_RX_BASE < sizeof slot)
-		return slot[(address - ETHMAC_RX_BASE) / 4];
-	if (address - FRAMES_BASE < 0x10000000)
-		return light ? grey() : address;
-	if (address - NCDC_BASE < sizeof core)
-		return core[(address - NCDC_BASE) / 4];
-	return csr[(address - CSR_CTRL_RESET) / 4 % (sizeof csr / 4)];
+	return light && address - FRAMES_BASE < 0x10000000 ? grey() : machine_read(address);
 }
 
-void interrupts_let(uint32_t lines)
+void reg_write(uint32_t address, uint32_t value)
 {
-	(void)lines;
+	if (address == LINK_CONTROL && value & LINK_CONTROL_SEND)
+		printf("s\n");
+	else if (address == LINK_RESEND_LAST)
+		printf("r %x\n", (unsigned)value);
+	else if (address == NCDC_I2C_COMMAND)
+		i2c(value);
+	else
+		machine_write(address, value);
 }
 
-static void sent(const uint8_t *frame, uint32_t size)
+void sent(const uint8_t *frame, uint32_t size)
 {
 	while (size--)
 		printf("%02x", *frame++);
 	printf("\n");
 }
 
-void reg_write(uint32_t address, uint32_t value)
-{
-	uint32_t *reader = &csr[(CSR_ETHMAC_SRAM_READER_SLOT - CSR_CTRL_RESET) / 4];
-
-	if (address == CSR_ETHMAC_SRAM_WRITER_EV_PENDING)
-		pending = 0;
-	else if (address == CSR_ETHMAC_SRAM_READER_START)
-		sent((const uint8_t *)out + *reader * ETHMAC_SLOT_BYTES,
-		     csr[(CSR_ETHMAC_SRAM_READER_LENGTH - CSR_CTRL_RESET) / 4]);
-	else if (address == LINK_CONTROL && value & LINK_CONTROL_SEND)
-		printf("s\n");
-	else if (address == LINK_RESEND_LAST)
-		printf("r %x\n", (unsigned)value);
-	else if (address == NCDC_I2C_COMMAND)
-		i2c(value);
-	else if (address - ETHMAC_TX_BASE < sizeof out)
-		out[(address - ETHMAC_TX_BASE) / 4] = value;
-	else if (address - NCDC_BASE < sizeof core)
-		core[(address - NCDC_BASE) / 4] = value;
-	else
-		csr[(address - CSR_CTRL_RESET) / 4 % (sizeof csr / 4)] = value;
-}
-
 static void loop(void)
 {
 	for (unsigned k = 0; k < TURNS; ++k) {
 		now += TURN_CLOCKS;
-		sensor_poll();
-		net_poll();
-		stream_poll();
-		gvcp_poll();
-		table_poll();
-		auto_poll();
+		machine_turn();
 	}
 }
 
@@ -241,10 +190,7 @@ int main(void)
 	for (unsigned c = 0; c < 3; ++c)
 		*system_register(NCDC_CAPTURE_GAINS) |= AUTO_RATIO_UNITY << AUTO_RATIO_BITS * c;
 	balanced[0] = balanced[1] = balanced[2] = *system_register(NCDC_CAPTURE_GAINS);
-	interrupt_begin();
-	words_begin();
-	gvcp_begin();
-	net_begin();
+	machine_begin();
 	while (fgets(line, sizeof line, stdin)) {
 		if (line[0] == 'f')
 			come(line + 2);
