@@ -49,7 +49,7 @@ def test_a_lens_file_replaces_the_chosen_lens(qtbot, tmp_path):
     other.save(path)
     with announced() as [one], tab_on(qtbot, url_of(one, "gige")) as tab:
         with qtbot.waitSignal(tab.session.lens_loaded, timeout=SECONDS):
-            tab.load_lens(path)
+            tab.loader.load(path)
         qtbot.waitUntil(lambda: shows(tab, corrected_by(other)), timeout=SECONDS)
         assert tab.lenses.list.item(0).text() == "Lens 0: other.toml"
 
@@ -70,7 +70,7 @@ def test_bad_lens_files_are_reported_and_change_nothing(qtbot, tmp_path):
         for path, sentence in bad_files(tmp_path):
             tab.messages.clear()
             with qtbot.waitSignal(tab.session.rejected, timeout=SECONDS):
-                tab.load_lens(path)
+                tab.loader.load(path)
             assert sentence in tab.messages.text and "\n" not in tab.messages.text
         old = tab.shown
         qtbot.waitUntil(lambda: tab.shown is not old, timeout=SECONDS)
@@ -82,12 +82,13 @@ def test_table_one_takes_no_lens_and_says_so(qtbot, tmp_path):
     small_lens(seed=9).save(tmp_path / "other.toml")
     with announced() as [one], tab_on(qtbot, url_of(one, "tcp")) as tab:
         with qtbot.waitSignal(tab.session.rejected, timeout=SECONDS):
-            tab.load_lens(tmp_path / "other.toml")
+            tab.loader.load(tmp_path / "other.toml")
         assert "only GVCP reaches" in tab.messages.text
-        tab.calibrate()
-        qtbot.waitUntil(lambda: tab.dialog is not None, timeout=SECONDS)
-        assert tab.dialog._limits is None and "only GVCP reaches" in tab.dialog.file_only.text()
-        tab.dialog.reject()
+        tab.loader.calibrate()
+        qtbot.waitUntil(lambda: tab.loader.dialog is not None, timeout=SECONDS)
+        dialog = tab.loader.dialog
+        assert dialog._limits is None and "only GVCP reaches" in dialog.file_only.text()
+        dialog.reject()
 
 
 @pytest.fixture(scope="module")
@@ -106,9 +107,9 @@ def test_calibrate_from_this_picture(qtbot, dots, tmp_path):
         with open_device(url_of(one, "tcp")) as other:
             other.set("ReverseX", True)         # the lens is that of the frame as it is
             with tab_on(qtbot, url_of(one, "gige")) as tab:
-                tab.calibrate()
-                qtbot.waitUntil(lambda: tab.dialog is not None, timeout=SECONDS)
-                dialog, shares = tab.dialog, []
+                tab.loader.calibrate()
+                qtbot.waitUntil(lambda: tab.loader.dialog is not None, timeout=SECONDS)
+                dialog, shares = tab.loader.dialog, []
                 assert dialog.neurons.maximum() == 3 and dialog.neurons.value() == 3
                 assert np.array_equal(dialog._shown.frame.pixels, raw)
                 dialog.job.progress.connect(lambda share, mse: shares.append(share))
@@ -137,9 +138,9 @@ def test_calibrate_from_this_picture(qtbot, dots, tmp_path):
 @pytest.mark.longer
 def test_a_picture_without_a_target(qtbot):
     with announced(fps=10.0) as [one], tab_on(qtbot, url_of(one, "gige")) as tab:
-        tab.calibrate()
-        qtbot.waitUntil(lambda: tab.dialog is not None, timeout=SECONDS)
-        dialog = tab.dialog
+        tab.loader.calibrate()
+        qtbot.waitUntil(lambda: tab.loader.dialog is not None, timeout=SECONDS)
+        dialog = tab.loader.dialog
         with qtbot.waitSignal(dialog.job.failed, timeout=4 * SECONDS):
             dialog.run()
         assert "no photo shows the target" in dialog.state.text()

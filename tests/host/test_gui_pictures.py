@@ -101,14 +101,14 @@ def test_saved_files_hold_the_pixels(qtbot, tmp_path):
         qtbot.waitUntil(lambda: np.array_equal(tab.shown.frame.pixels, CORRECTED[:, ::-1]),
                         timeout=SECONDS)
         with qtbot.waitSignal(tab.session.saved, timeout=SECONDS):
-            tab.save_picture(tmp_path / "picture.png")
+            tab.files.save_picture(tmp_path / "picture.png")
         assert np.array_equal(read_image(tmp_path / "picture.png"), CORRECTED[:, ::-1])
         with qtbot.waitSignal(tab.session.saved, timeout=SECONDS):
-            tab.save_raw(tmp_path / "frame.raw.png")
+            tab.files.save_raw(tmp_path / "frame.raw.png")
         raw = read_image(tmp_path / "frame.raw.png")
         assert is_raw(raw) and np.array_equal(raw, RAW)     # as ncdc correct wants it
         with qtbot.waitSignal(tab.session.rejected, timeout=SECONDS):
-            tab.save_picture(tmp_path / "picture.nothing")
+            tab.files.save_picture(tmp_path / "picture.nothing")
         assert "picture.nothing" in tab.messages.text
 
 

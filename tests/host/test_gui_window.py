@@ -12,7 +12,7 @@ from PySide6.QtWidgets import QApplication, QLabel, QToolButton
 
 from devices import SIZE
 from guis import SECONDS, announced, pixels_of, tab_on, url_of
-from ncdc_host.gui import device_tab
+from ncdc_host.gui import device_tab, file_names
 from ncdc_host.gui.colours import contrast
 from ncdc_host.gui.device_tab import DeviceTab
 from ncdc_host.gui.histogram_view import HistogramView
@@ -125,7 +125,7 @@ OF_DEVICES = ("Load lens file", "Calibrate from", "Save picture", "Save raw fram
 
 
 def test_a_device_that_is_not_there_offers_nothing(qtbot, monkeypatch):
-    monkeypatch.setattr(device_tab.QFileDialog, "getOpenFileName",
+    monkeypatch.setattr(file_names.QFileDialog, "getOpenFileName",
                         lambda *_: pytest.fail("a file is asked for"))
     with window_on(qtbot, NO_DEVICE) as window:
         qtbot.waitUntil(lambda: window.tab.messages.text != "", timeout=SECONDS)
@@ -155,7 +155,7 @@ def test_a_lens_for_a_device_that_has_gone_is_not_dropped_silently(qtbot, tmp_pa
     """The device may go while a file is chosen."""
     with tab_on(qtbot, NO_DEVICE, pictures=False) as tab:
         with qtbot.waitSignal(tab.session.rejected, timeout=SECONDS) as rejected:
-            tab.load_lens(tmp_path / "net.toml", 0)
+            tab.loader.load(tmp_path / "net.toml", 0)
         assert "net.toml is not loaded" in rejected.args[0]
 
 

@@ -138,23 +138,23 @@ def _use(user, window, tabs, seconds, step):
     first.view.fit()
     step("calibrate")
     window.tabs.setCurrentIndex(1)
-    second.calibrate()
-    user.until(lambda: second.dialog is not None)
+    second.loader.calibrate()
+    user.until(lambda: second.loader.dialog is not None)
     done = []
-    second.dialog.job.done.connect(lambda *_: done.append(True))
-    second.dialog.job.failed.connect(done.append)
+    second.loader.dialog.job.done.connect(lambda *_: done.append(True))
+    second.loader.dialog.job.failed.connect(done.append)
     user.step("calibration begins", 1.0)
-    second.dialog.run()
+    second.loader.dialog.run()
     loaded = []
     second.session.lens_loaded.connect(lambda *_: loaded.append(True))
 
     def finish():
         user.until(lambda: done, 600)
         if done[0] is True:
-            second.dialog.load.click()
+            second.loader.dialog.load.click()
             user.until(lambda: loaded)
-    user.step("calibrate", 0, finish, picture=lambda: second.dialog)
-    second.dialog.reject()
+    user.step("calibrate", 0, finish, picture=lambda: second.loader.dialog)
+    second.loader.dialog.reject()
     user.step("calibrated", 2.0, picture=True)
 
 

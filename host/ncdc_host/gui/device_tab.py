@@ -2,47 +2,27 @@
 
 import re
 from dataclasses import replace
-from pathlib import Path
 
-from PySide6.QtCore import QPoint, QSettings, Qt, QTimer, Signal
-from PySide6.QtGui import QGuiApplication
-from PySide6.QtWidgets import (
-    QFileDialog,
-    QGroupBox,
-    QHBoxLayout,
-    QLabel,
-    QScrollArea,
-    QSplitter,
-    QVBoxLayout,
-    QWidget,
-)
+from PySide6.QtCore import QPoint, QTimer, Signal
 
 from ncdc_host.client.device import Rate
-from ncdc_host.gui.calibration_dialog import CalibrationDialog
-from ncdc_host.gui.elided_label import ElidedLabel
-from ncdc_host.gui.histogram_view import HistogramView
-from ncdc_host.gui.lens_panel import LensPanel
-from ncdc_host.gui.message_bar import MessageBar
-from ncdc_host.gui.picture_view import PictureView
+from ncdc_host.gui.lens_loader import LensLoader
+from ncdc_host.gui.picture_files import PictureFiles
 from ncdc_host.gui.session import Session
-from ncdc_host.gui.settings_panel import SettingsPanel
-from ncdc_host.gui.statistics_panel import StatisticsPanel
-from ncdc_host.gui.view_bar import ViewBar
+from ncdc_host.gui.tab_widgets import TabWidgets
 from ncdc_host.gui.view_state import CORRECTION
 
 __all__ = ["DeviceTab"]
 
 _COMPARING = ("side by side", "wipe")
 _TIMEOUT = 3.0          # seconds plus three frames without a picture before a message
-_PANEL = 332            # pixels that the settings want at least
-_WIDEST = "120.0 pictures/s  ·  9999 lost"
 _SETTLE = 400           # ms after the last change of a setting until the raw frame is taken anew
 _URL = re.compile(r"\b[a-z]+://[^\s,;]*[\w\]/]")       # of a device, in a message
 # What the raw frame of a comparison depends on.
 _RAW = ("ExposureTime", "Gain", "TestPattern", "ReverseX", "ReverseY")
 
 
-class DeviceTab(QWidget):
+class DeviceTab(TabWidgets):
     """Shows a :class:`Session`; asks the window for another transport or a closed tab.
 
     Signals
@@ -55,6 +35,11 @@ class DeviceTab(QWidget):
         For the status line.
     enabled()
         The result of :meth:`can` may have changed.
+
+    Attributes
+    ----------
+    loader : LensLoader
+    files : PictureFiles
     """
     titled, wants, said = Signal(str, str, str), Signal(str, bool), Signal(str)
     enabled = Signal()
@@ -63,18 +48,10 @@ class DeviceTab(QWidget):
         super().__init__()
         self.url, self.name = url, name or url.partition("://")[2]
         self.session = Session(url, monitor)
-        self.shown = self.infos = self.dialog = None
+        self.shown = self.infos = self._corrected = None
         self.mode, self.frozen, self.access, self._state = "after", False, "", ""
-        self._raw_path = self._corrected = None
-        self.view, self.bar, self.messages = PictureView(), ViewBar(), MessageBar()
-        self.histogram, self.settings = HistogramView(), SettingsPanel()
-        self.lenses, self.statistics = LensPanel(), StatisticsPanel()
-        self.foot, self.pixel, self.rate = ElidedLabel(), QLabel(), QLabel()
-        # As wide as what it mostly says: digits that come and go move nothing.
-        self.rate.setMinimumWidth(self.rate.fontMetrics().horizontalAdvance(_WIDEST))
-        self.rate.setAlignment(Qt.AlignmentFlag.AlignRight)
+        self.loader, self.files = LensLoader(self), PictureFiles(self)
         self._counts = None
-        self._lay_out()
         self._connect_session()
         self._connect_widgets()
         self._settle = QTimer(self, singleShot=True, interval=_SETTLE)
@@ -87,67 +64,23 @@ class DeviceTab(QWidget):
         self._enable()
         self.session.start()
 
-    def _lay_out(self):
-        panel = QWidget()
-        column = QVBoxLayout(panel)
-        column.setContentsMargins(10, 8, 10, 10)
-        group = QGroupBox("Histogram")
-        QVBoxLayout(group).addWidget(self.histogram)
-        for widget in (group, self.settings, self.lenses, self.statistics):
-            column.addWidget(widget)
-        column.addStretch(1)
-        scroll = self.panel = QScrollArea(widgetResizable=True)
-        scroll.setFrameShape(QScrollArea.Shape.NoFrame)
-        scroll.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
-        scroll.setWidget(panel)
-        scroll.setMinimumWidth(max(_PANEL, panel.minimumSizeHint().width())
-                               + scroll.verticalScrollBar().sizeHint().width())
-        left = QWidget()
-        column = QVBoxLayout(left)
-        column.setContentsMargins(0, 0, 0, 0)
-        column.setSpacing(0)
-        foot = QHBoxLayout()
-        foot.setContentsMargins(8, 4, 8, 4)
-        foot.addWidget(self.foot, 1)
-        foot.addSpacing(8)
-        foot.addWidget(self.pixel)
-        foot.addSpacing(16)
-        foot.addWidget(self.rate)
-        column.addWidget(self.bar)
-        column.addWidget(self.messages)
-        column.addWidget(self.view, 1)
-        column.addLayout(foot)
-        splitter = QSplitter()
-        splitter.addWidget(left)
-        splitter.addWidget(scroll)
-        splitter.setStretchFactor(0, 1)
-        splitter.setCollapsible(0, False)
-        splitter.setSizes([10_000, scroll.minimumWidth()])
-        row = QHBoxLayout(self)
-        row.setContentsMargins(0, 0, 0, 0)
-        row.addWidget(splitter)
-
     def _connect_session(self):
         s = self.session
         for signal, slot in (
                 (s.opened, self._opened), (s.failed, self._failed), (s.lost, self._lost),
                 (s.features, self._features), (s.written, self.settings.written),
-                (s.rejected, self._rejected), (s.saved, self._saved), (s.busy, self._busy),
+                (s.rejected, self._rejected), (s.busy, self._busy),
                 (s.picture, self._picture), (s.no_pictures, self._no_pictures),
-                (s.still, self._still), (s.counted, self._counted),
-                (s.lens_loaded, self._lens_loaded)):
+                (s.still, self._still), (s.counted, self._counted)):
             signal.connect(slot)
 
     def _connect_widgets(self):
         self.settings.changed.connect(self.set_feature)
         self.settings.window_changed.connect(self.session.set_window)
         self.lenses.chosen.connect(lambda number: self.set_feature("LensSelector", number))
-        self.lenses.load.clicked.connect(self.ask_lens)
-        self.lenses.calibrate.clicked.connect(self.calibrate)
         self.bar.mode_chosen.connect(self.set_mode)
         self.bar.again.clicked.connect(self.take_again)
         self.bar.freeze.clicked.connect(self.freeze)
-        self.bar.save.clicked.connect(self.ask_picture)
         for button, act in ((self.bar.zoom_in, self.view.zoom_in),
                             (self.bar.zoom_out, self.view.zoom_out), (self.bar.fit, self.view.fit),
                             (self.bar.whole, lambda: self.view.set_scale(1))):
@@ -176,17 +109,17 @@ class DeviceTab(QWidget):
         self.enabled.emit()
 
     def can(self, action):
-        """Whether an action makes sense now: the name of a mode, of a method of this class or of
-        its ``view``."""
+        """Whether an action makes sense now: the name of a mode, or of a method of this class, as
+        "loader.ask"."""
         if action in self.bar.modes:
             return self.bar.modes[action].isEnabled()
-        if action in ("ask_lens", "calibrate"):
+        if action in ("loader.ask", "loader.calibrate"):
             return self.lenses.isEnabled()
         if action == "take_again":
             return not self.bar.again.isHidden()
-        if action == "ask_raw":
+        if action == "files.ask_raw":
             return self._state == "open" and CORRECTION in (self.infos or {})
-        if action in ("ask_picture", "copy_picture", "freeze"):
+        if action in ("files.ask_picture", "files.copy", "freeze"):
             return self.shown is not None
         return self.view.has_picture
 
@@ -264,8 +197,8 @@ class DeviceTab(QWidget):
 
     def _rejected(self, text):
         self.messages.show_message(self._sentence(text), "warning")
-        if self.dialog is not None:
-            self.dialog.trouble(self._sentence(text))
+        if self.loader.dialog is not None:
+            self.loader.dialog.trouble(self._sentence(text))
 
     def _sentence(self, text):
         """A message of the device or of the way to it, with its name instead of its URL."""
@@ -279,9 +212,6 @@ class DeviceTab(QWidget):
             self.messages.show_message(text, "info")
         else:
             self.messages.clear()
-
-    def _saved(self, path):
-        self.said.emit(f"Saved {path}")
 
     # Pictures.
 
@@ -347,9 +277,9 @@ class DeviceTab(QWidget):
         if still.purpose == "compare":
             self.view.show_still(still.shown.image)
         elif still.purpose == "save":
-            self.session.save(self._raw_path, still.shown.frame.pixels)
+            self.files.raw_taken(still)
         elif still.purpose == "calibrate":
-            self._open_dialog(still)
+            self.loader.open_dialog(still)
 
     # Settings.
 
@@ -388,93 +318,3 @@ class DeviceTab(QWidget):
             if frame else 0
         self.statistics.show_counts(statistics, size)
         self.rate.setText(f"{statistics.rate:.1f} pictures/s  ·  {statistics.lost} lost")
-
-    # Lenses.
-
-    def ask_lens(self):
-        """Ask for a lens file, and load it into the lens that is chosen."""
-        number = self.lenses.active
-        path, _ = QFileDialog.getOpenFileName(self, "Load lens file", _folder(),
-                                              "Lens files (*.toml);;All files (*)")
-        if path:
-            _keep_folder(path)
-            self.load_lens(path, number)
-
-    def load_lens(self, path, number=None, name=""):
-        """Load a lens file into lens ``number``, or into the one that is chosen."""
-        number = self.lenses.active if number is None else number
-        self.session.load_lens(path, name or Path(path).name, number)
-
-    def _lens_loaded(self, number, name):
-        self.lenses.name_lens(number, name)
-        self.said.emit(f"Lens {number} is {name} now")
-        if self.dialog is not None:
-            self.dialog.lens_loaded(number)
-
-    def calibrate(self):
-        """Take a raw frame, and open the dialog that makes a lens of it."""
-        self.session.take_still("calibrate", mirrored=False)
-
-    def _open_dialog(self, still):
-        if self.dialog is not None:
-            self.dialog.close()
-        dialog = self.dialog = CalibrationDialog(still.shown, still.limits, self.lenses.texts(),
-                                                 self.lenses.active, still.reason, self)
-        dialog.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
-        dialog.photo_wanted.connect(self.session.save)
-        self.session.saved.connect(dialog.photo_written)
-        dialog.lens_wanted.connect(
-            lambda path, number: self.load_lens(path, number, "calibrated here"))
-        dialog.finished.connect(self._dialog_closed)
-        dialog.open()
-
-    def _dialog_closed(self):
-        self.dialog = None
-
-    # Files.
-
-    def ask_picture(self):
-        """Ask for a name, and save the picture that is shown."""
-        if self.shown is None:
-            return
-        shown = self.shown
-        path = self._ask_name("Save picture", f"picture-{shown.frame.number:06d}.png",
-                              "Pictures (*.png *.bmp *.tif)")
-        if path:
-            self.save_picture(path, shown)
-
-    def save_picture(self, path, shown=None):
-        """Save the colours that are shown; of a raw frame, demosaiced."""
-        self.session.save(path, (shown or self.shown).frame.picture())
-
-    def ask_raw(self):
-        """Ask for a name, and save a raw frame."""
-        number = self.shown.frame.number if self.shown else 0
-        path = self._ask_name("Save raw frame", f"frame-{number:06d}.raw.png",
-                              "Raw frames, one channel (*.png)")
-        if path:
-            self.save_raw(path)
-
-    def save_raw(self, path):
-        """Take a raw frame, as ``ncdc correct`` wants it, and save it."""
-        self._raw_path = path
-        self.session.take_still("save", mirrored=False)
-
-    def _ask_name(self, title, name, kinds):
-        path, _ = QFileDialog.getSaveFileName(self, title, str(Path(_folder()) / name), kinds)
-        if path:
-            _keep_folder(path)
-        return path
-
-    def copy_picture(self):
-        """Put what is seen on the clipboard."""
-        QGuiApplication.clipboard().setPixmap(self.view.grab())
-        self.said.emit("The picture is on the clipboard")
-
-
-def _folder():
-    return QSettings().value("folder", str(Path.home()))
-
-
-def _keep_folder(path):
-    QSettings().setValue("folder", str(Path(path).parent))

@@ -1,5 +1,7 @@
 """The window: devices at the left, a tab for each that is open."""
 
+from operator import attrgetter
+
 from PySide6.QtCore import QSettings, QSize, Qt
 from PySide6.QtGui import QAction, QKeySequence
 from PySide6.QtWidgets import (
@@ -86,16 +88,17 @@ class MainWindow(QMainWindow):
         self._add(menu, "&Look for devices", "F5", self.devices.look.emit)
         self._add(menu, "&Add address …", "Ctrl+O", self.devices.ask_address)
         menu.addSeparator()
-        self._add_of_tab(menu, "Load &lens file …", "Ctrl+L", "ask_lens")
-        self._add_of_tab(menu, "&Calibrate from this picture …", "Ctrl+K", "calibrate")
+        self._add_of_tab(menu, "Load &lens file …", "Ctrl+L", "loader.ask")
+        self._add_of_tab(menu, "&Calibrate from this picture …", "Ctrl+K", "loader.calibrate")
         menu.addSeparator()
         self.of_tab.append((self._add(menu, "&Close tab", QKeySequence.StandardKey.Close,
                                       lambda: self.close_tab(self.tabs.currentIndex())), ""))
         self._add(menu, "&Quit", QKeySequence.StandardKey.Quit, self.close)
         menu = bar.addMenu("&Picture")
-        self._add_of_tab(menu, "&Save picture …", QKeySequence.StandardKey.Save, "ask_picture")
-        self._add_of_tab(menu, "Save &raw frame …", "Ctrl+Shift+S", "ask_raw")
-        self._add_of_tab(menu, "&Copy", QKeySequence.StandardKey.Copy, "copy_picture")
+        self._add_of_tab(menu, "&Save picture …", QKeySequence.StandardKey.Save,
+                         "files.ask_picture")
+        self._add_of_tab(menu, "Save &raw frame …", "Ctrl+Shift+S", "files.ask_raw")
+        self._add_of_tab(menu, "&Copy", QKeySequence.StandardKey.Copy, "files.copy")
         menu.addSeparator()
         self._add_of_tab(menu, "&Freeze", "Space", "freeze")
         self._add_of_tab(menu, "Take ra&w frame again", "R", "take_again")
@@ -130,7 +133,8 @@ class MainWindow(QMainWindow):
         return action
 
     def _add_of_tab(self, menu, text, key, name):
-        self.of_tab.append((self._add(menu, text, key, lambda: getattr(self.tab, name)()), name))
+        act = attrgetter(name)
+        self.of_tab.append((self._add(menu, text, key, lambda: act(self.tab)()), name))
 
     def _enable(self, *_):
         for action, asked in self.of_tab:
@@ -213,8 +217,7 @@ class MainWindow(QMainWindow):
     def _end(self, tab):
         self._ending.append(tab)
         tab.session.closed.connect(self._ended)
-        if tab.dialog is not None:
-            tab.dialog.close()
+        tab.loader.close_dialog()
         tab.hide()
         tab.session.close()
 
