@@ -26,11 +26,6 @@ class Clock:
         """By how much of its period a clock is met; negative if it is missed."""
         return 1 - self.target_mhz / self.achieved_mhz
 
-    @property
-    def slack_ns(self):
-        return 1000 / self.target_mhz - 1000 / self.achieved_mhz
-
-
 @dataclass(frozen=True)
 class Placement:
     """A routed design: the seed, its clocks, and what of the device it uses, by nextpnr's names."""

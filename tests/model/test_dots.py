@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from ncdc_model.calibration.dots import find_dots
-from ncdc_model.calibration.lattice import number_lattice
+from ncdc_model.calibration.lattice import find_lattices
 from ncdc_model.example import example_camera, page_dots, page_to_distorted, target_photo
 from ncdc_model.example.target import RADIUS
 from ncdc_model.images import mosaic, read_image
@@ -128,7 +128,8 @@ def test_lattice_with_holes_and_strays(seed):
     rng = np.random.default_rng(seed + 10)
     keep = rng.random(165) > 0.06
     strays = rng.uniform(xy.min(axis=0), xy.max(axis=0), (12, 2))
-    where, found, _ = number_lattice(np.vstack([xy[keep], strays]), (300, 300))
+    largest, *_ = find_lattices(np.vstack([xy[keep], strays]), (300, 300))
+    where, found = largest.where, largest.index
     real = where < keep.sum()
     assert real.sum() > 0.95 * keep.sum()
     shift = index[keep][where[real]] - found[real]
@@ -140,8 +141,9 @@ def test_displaced_point_loses_its_number():
     index, xy = lattice(4)
     victim = int(np.flatnonzero((index == (9, 6)).all(axis=1))[0])
     xy[victim] += (7.5, 0)                  # a quarter of the pitch: within reach of the walk
-    where, found, dropped = number_lattice(xy, (300, 300))
-    assert victim not in where and dropped >= 1 and len(where) == 164
+    largest, *_ = find_lattices(xy, (300, 300))
+    assert victim not in largest.where and len(largest.dropped) >= 1
+    assert len(largest.where) == 164
 
 
 @pytest.mark.longer

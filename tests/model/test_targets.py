@@ -7,10 +7,11 @@ import cv2
 import numpy as np
 import pytest
 
-from ncdc_model.calibration.boards import find_any_chessboard, find_chessboard
+from ncdc_model.calibration.boards import find_chessboard
 from ncdc_model.calibration.charuco import find_any_charuco, find_charuco
 from ncdc_model.calibration.detect import detect_points, parse_target
-from ncdc_model.calibration.grids import find_circles, find_grid
+from ncdc_model.calibration.dots import find_spots
+from ncdc_model.calibration.grids import find_circles, read_grid
 from ncdc_model.calibration.overlay import draw_points
 from ncdc_model.example import example_camera, target_photo
 from ncdc_model.images import mosaic, read_image
@@ -48,12 +49,6 @@ def test_raw_chessboard_with_colour_cast():
     picture, first = chessboard(9, 6, colour=(130, 230, 100))
     found = find_chessboard(mosaic(picture), 9, 6)
     np.testing.assert_allclose(found.xy, first + 40 * found.index, atol=0.5)
-
-
-def test_size_of_an_unknown_chessboard():
-    assert find_any_chessboard(chessboard(9, 6)[0]) in ((9, 6), (6, 9))
-    with pytest.raises(InputError, match="no chessboard was found"):
-        find_any_chessboard(np.full((120, 160), 200, np.uint8))
 
 
 def circles(centres, size, radius=11.0):
@@ -115,7 +110,8 @@ def test_staggered_circles(grid, target):
 
 def test_stray_circles_next_to_a_grid_are_left_out():
     centres = np.vstack([lines_of_circles(8, 6), [(360, 40), (360, 80)]])
-    grid = find_grid(circles(centres, (440, 280)))
+    spots = find_spots(circles(centres, (440, 280)))
+    grid = read_grid(spots.size, spots.lattices[0])
     assert len(grid.photo.index) == 48 and grid.filled == 1
     assert grid.photo.rejected["not on the grid"] == 2
 

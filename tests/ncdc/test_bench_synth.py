@@ -15,8 +15,9 @@ from ncdc.toolchain.ecp5_netlist.multiplier_registers import absorb_multiplier_r
 from ncdc_bench.synth import measure as synthesis_rows
 from ncdc_bench.synth.blocks import BLOCKS
 from ncdc_bench.synth.command import table
-from ncdc_bench.synth.measure import TARGETS, block_rows, regressions
+from ncdc_bench.synth.measure import SIZES, TARGETS, block_rows
 
+WORSE = 0.05            # by which a figure may be worse than the table of the documentation
 BASELINE = Path(__file__).resolve().parents[2] / "docs" / "evidence" / "synthesis.json"
 
 # Adders and subtractors chosen by a wire, one with an inverted input; registered products,
@@ -247,6 +248,23 @@ def test_one_netlist_for_all_seeds(monkeypatch, tmp_path):
     row, = block_rows("neuron", "hidden", ["ecp5"], seeds=3, plain=True)
     assert steps[4:] == ["1", "2", "3"]
     assert (row["fmax_mhz"], row["fmax_plain_mhz"]) == (102.0, 52.0)
+
+
+def regressions(rows, baseline):
+    """A sentence for each figure of ``rows`` that is more than :data:`WORSE` worse than in the
+    rows ``baseline``; rows that it lacks are no regression."""
+    before = {(row["block"], row["variant"], row["target"]): row for row in baseline}
+    worse = []
+    for row in rows:
+        name = row["block"], row["variant"], row["target"]
+        old = before.get(name, {})
+        for key in (*SIZES, "fmax_mhz"):
+            if row.get(key) is None or old.get(key) is None:
+                continue
+            limit = old[key] * (1 - WORSE if key == "fmax_mhz" else 1 + WORSE)
+            if row[key] < limit if key == "fmax_mhz" else row[key] > limit:
+                worse.append(f"{', '.join(name)}: {key} is {row[key]}, the limit is {limit:.1f}")
+    return worse
 
 
 def test_a_figure_that_is_worse_by_more_than_the_limit():

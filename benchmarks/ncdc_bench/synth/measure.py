@@ -24,10 +24,9 @@ from ncdc_bench.synth.blocks import ONLY, component, traits
 from ncdc_hdl.export.verilog import module_verilog
 from ncdc_sim.builds import built, key_of
 
-__all__ = ["TARGETS", "WORSE", "block_rows", "regressions"]
+__all__ = ["SIZES", "TARGETS", "block_rows"]
 
 TARGETS = ("ecp5", "cyclonev", "cycloneiv")
-WORSE = 0.05            # by which a figure may be worse than the table of the documentation
 
 _MULTIPLIER_BITS = {"ecp5": 18, "cyclonev": 27, "cycloneiv": 18}
 _FLOWS = {"ecp5": ecp5, "cyclonev": cyclone_v, "cycloneiv": cyclone_iv}
@@ -37,7 +36,7 @@ _NAMES = {"ecp5": {"dsp": "multipliers_18x18", "ram_blocks": "block_rams"},
           "cyclonev": {"lut": "alut", "ff": "alm_ff", "ram_blocks": "m10k"},
           "cycloneiv": {"dsp": "multipliers_18x18", "ram_blocks": "m9k"}}
 _CLOCKS = ("fmax_mhz", "fmax_seeds_mhz", "fmax_plain_mhz")
-_LARGER_IS_WORSE = ("alm", "le", "lut", "ff", "dsp", "ram_blocks")
+SIZES = ("alm", "le", "lut", "ff", "dsp", "ram_blocks")
 
 
 def block_rows(block, variant, targets=TARGETS, seeds=1, progress=lambda step: None, plain=False):
@@ -98,7 +97,7 @@ def block_rows(block, variant, targets=TARGETS, seeds=1, progress=lambda step: N
         rows.append({"block": block, "variant": variant, "target": target, "multiplier_bits": bits}
                     | traits(part)
                     | {name: figures.get(names.get(name, name))
-                       for name in (*_LARGER_IS_WORSE, *_CLOCKS)}
+                       for name in (*SIZES, *_CLOCKS)}
                     | {"seeds": seeds if target == "ecp5" else None})
     return rows
 
@@ -130,20 +129,3 @@ def _once(name, parts, make):
         (folder / "result.json").write_text(json.dumps(make()))
     key = key_of(name, repr(tool_versions()), *parts)
     return json.loads((built(key, build) / "result.json").read_text())
-
-
-def regressions(rows, baseline):
-    """A sentence for each figure of ``rows`` that is more than :data:`WORSE` worse than in the
-    rows ``baseline``; rows that it lacks are no regression."""
-    before = {(row["block"], row["variant"], row["target"]): row for row in baseline}
-    worse = []
-    for row in rows:
-        name = row["block"], row["variant"], row["target"]
-        old = before.get(name, {})
-        for key in (*_LARGER_IS_WORSE, "fmax_mhz"):
-            if row.get(key) is None or old.get(key) is None:
-                continue
-            limit = old[key] * (1 - WORSE if key == "fmax_mhz" else 1 + WORSE)
-            if row[key] < limit if key == "fmax_mhz" else row[key] > limit:
-                worse.append(f"{', '.join(name)}: {key} is {row[key]}, the limit is {limit:.1f}")
-    return worse

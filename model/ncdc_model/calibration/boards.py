@@ -14,7 +14,7 @@ from ncdc_model.calibration.points import PhotoPoints
 from ncdc_model.calibration.subpixel import refine
 from ncdc_spec.errors import InputError
 
-__all__ = ["board_of_size", "find_any_chessboard", "find_boards", "find_chessboard",
+__all__ = ["board_of_size", "find_boards", "find_chessboard",
            "grey_picture"]
 
 _ENOUGH = 12           # corners of a part of a board
@@ -80,21 +80,6 @@ def board_of_size(boards, columns, rows, image):
     return _turned(replace(best, remarks=tuple(
         f"another chessboard, {len(board.index)} corners {location_text(board)}, is not used"
         for board in others)), columns, rows)
-
-
-def find_any_chessboard(image):
-    """Columns and rows of the inner corners of a chessboard whose size is not known.
-
-    Raises
-    ------
-    InputError
-        If no board of at least 3x3 inner corners is found.
-    """
-    boards = [board for board in find_boards(image) if np.ptp(board.index, axis=0).min() >= 2]
-    if not boards:
-        raise InputError("no chessboard was found")
-    across, down = np.ptp(boards[0].index, axis=0) + 1
-    return int(across), int(down)
 
 
 def grey_picture(image):

@@ -12,7 +12,7 @@ from ncdc_model.calibration.points import PhotoPoints
 from ncdc_model.calibration.sampling import sample
 from ncdc_spec.errors import InputError
 
-__all__ = ["Grid", "corners_touch", "find_circles", "find_grid", "grid_of_size", "read_grid"]
+__all__ = ["Grid", "corners_touch", "find_circles", "grid_of_size", "read_grid"]
 
 _ENOUGH = 12           # circles of a grid
 _TOUCH = 0.75          # of the brightness between circles: corners of two squares have less
@@ -84,15 +84,6 @@ def grid_of_size(spots, columns, rows, staggered=False):
 def _fits(grid, size):
     across, down = np.ptp(grid.photo.index, axis=0) + 1
     return (across <= size[0] and down <= size[1]) or (across <= size[1] and down <= size[0])
-
-
-def find_grid(image, staggered=None):
-    """The :class:`Grid` with most dark circles in the picture, or None.
-
-    ``staggered``: which kind is searched for; default both.
-    """
-    spots = find_spots(image)
-    return read_grid(spots.size, spots.lattices[0], staggered) if spots.lattices else None
 
 
 def read_grid(size, lattice, staggered=None):

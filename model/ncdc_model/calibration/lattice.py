@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial import cKDTree
 
-__all__ = ["Lattice", "find_lattices", "number_lattice"]
+__all__ = ["Lattice", "find_lattices"]
 
 _REACH = 0.30          # of a step: largest distance of a point from its expected position
 _CROSS = 0.35          # the same, of the four neighbours that a walk starts with
@@ -23,26 +23,6 @@ class Lattice:
     where: np.ndarray
     index: np.ndarray
     dropped: np.ndarray
-
-
-def number_lattice(xy, middle):
-    """Index (i, j) of the points ``xy`` (n, 2) that lie on the largest lattice among them.
-
-    Arguments and results as of :func:`find_lattices`.
-
-    Returns
-    -------
-    where : ndarray of int, shape (m,)
-        Which points were numbered.
-    index : ndarray of int, shape (m, 2)
-        Their (i, j), each once.
-    dropped : int
-        Points that had a number but failed the check.
-    """
-    found = find_lattices(xy, middle, 1)
-    if not found:
-        return np.empty(0, int), np.empty((0, 2), int), 0
-    return found[0].where, found[0].index, len(found[0].dropped)
 
 
 def find_lattices(xy, middle, most=3):

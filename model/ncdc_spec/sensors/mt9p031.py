@@ -85,7 +85,6 @@ FIRST_ROW, FIRST_COLUMN = 54, 16    # of the active pixels; DS, pixel array stru
 _PIXEL_CLOCK_MHZ = 96               # DS, key performance parameters
 _ROW_OVERHEAD = 346                 # pairs of columns, for each row read; DS, frame time
 _DARK_COLUMNS = {1: 80, 2: 40, 4: 20}       # read before a row, by bins; DS, table 7
-_MIN_BEYOND = 8                     # lines of the vertical blanking less one; DS, frame time
 _PLL_CLOCKS = (6_000_000, 27_000_000)           # external clock; this one and what follows: L
 _PLL_INPUT = (2_000_000, 13_500_000)            # external clock / N
 _PLL_OSCILLATOR = (180_000_000, 360_000_000)    # external clock * M / N

@@ -7,14 +7,13 @@ import numpy as np
 
 from ncdc_model.golden.network import frame_coordinates
 from ncdc_model.images import mosaic
-from ncdc_sim.sensor.scene import row_times
 from ncdc_sim.sensor.verilog import Light
 from ncdc_spec.errors import InputError
 from ncdc_spec.geometry import MONO
 from ncdc_spec.sensors.framing import Crop, grid_offset
 from ncdc_spec.sensors.sensor import bayer_at
 
-__all__ = ["moving_photo", "still_raw"]
+__all__ = ["moving_photo", "row_times", "still_raw"]
 
 _FULL = 4095            # of a sensor's sample
 _MAX_BYTES = 2 << 30    # of samples of a moving photo
@@ -39,6 +38,19 @@ def still_raw(setup, crop, raw):
         v = (y[row::2] - (row + crop.top) % 2) / 2
         active[row::2, column::2] = _between(plane, u, v)
     return Light(_samples(setup, active)[None], asked.left, asked.top)
+
+
+def row_times(setup, frame):
+    """Seconds of the middle of the exposure of a frame's rows, from the window's top on.
+
+    Rows are read one a line, in the configured order; time 0 is the begin of the reading of
+    frame 0. Motion during an exposure is not blurred.
+    """
+    timing = setup.timing
+    lines = frame * timing.frame_lines + np.arange(timing.height)
+    middle = lines * timing.line_clocks - setup.exposure_clocks / 2
+    order = np.argsort(setup.rows)
+    return middle[order] / timing.pixel_clock_hz
 
 
 def moving_photo(descriptor, setup, crop, photo, frames, velocity):
