@@ -7,22 +7,26 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 
-__all__ = ["boxes_figure", "draw_boxes"]
+__all__ = ["boxes_figure", "draw_boxes", "write_figure"]
 
 _MARGIN = .2            # between the text at an arrow and the boxes, both sides together
 _LINE = "#30507a"
 
 
 def draw_boxes(path, *drawing, **options):
-    """Write the drawing of :func:`boxes_figure` as the PNG or SVG file that ``path`` names.
+    """Write the drawing of :func:`boxes_figure` by :func:`write_figure`."""
+    write_figure(path, boxes_figure(*drawing, **options))
 
-    The same drawing gives the same bytes: neither a date nor a random identifier is written.
+
+def write_figure(path, figure):
+    """Write a matplotlib Figure as the PNG or SVG file that ``path`` names.
+
+    The same figure gives the same bytes: neither a date nor a random identifier is written.
     """
     kind = Path(path).suffix.removeprefix(".")
     metadata = {"png": {"Software": None}, "svg": {"Date": None, "Creator": None}}[kind]
     with rc_context({"svg.hashsalt": "ncdc", "svg.fonttype": "none"}):
-        boxes_figure(*drawing, **options).savefig(path, dpi=90, format=kind, metadata=metadata,
-                                                  bbox_inches="tight")
+        figure.savefig(path, dpi=90, format=kind, metadata=metadata, bbox_inches="tight")
 
 
 def boxes_figure(boxes, arrows, note="", size=(11.5, 4.1), vertical=()):

@@ -2,13 +2,24 @@
 
 import sys
 from pathlib import Path
+from typing import NamedTuple
 
 from ncdc_bench.figures.box_drawing import draw_boxes
 
-__all__ = ["DRAWINGS", "VERTICAL", "draw_all", "size_of"]
+__all__ = ["DRAWINGS", "Drawing", "draw_all"]
 
-DRAWINGS = {    # file: boxes, arrows, note
-    "how-it-works.svg": (
+
+class Drawing(NamedTuple):
+    """Parameters of :func:`ncdc_bench.figures.box_drawing.boxes_figure`."""
+    boxes: tuple
+    arrows: tuple
+    note: str
+    size: tuple = (12.5, 4.1)
+    vertical: tuple = ()
+
+
+DRAWINGS = {
+    "how-it-works.svg": Drawing(
         ((0, 6.6, 2.4, 1.5, "photo of a target"),
          (5.0, 6.6, 2.2, 1.5, "points"),
          (9.8, 6.6, 2.4, 1.5, "net.toml\n\nintegers"),
@@ -23,8 +34,13 @@ DRAWINGS = {    # file: boxes, arrows, note
          (12.2, 14.8, 7.3, "ncdc correct", ""),
          (2.4, 5.0, 3.8, "x, y", "output pixel"), (7.2, 9.8, 3.8, "x', y'", "source"),
          (12.2, 14.8, 3.8, "6x6 samples", "")),
-        "above: on a PC, once per camera; below: in hardware, for every frame"),
-    "guide-platform-designer.png": (
+        "above: on a PC, once per camera; below: in hardware, for every frame",
+        (12.5, 5.6), (
+            (11.0, 6.6, 4.6, "ncdc generate: this\nwhole row as Verilog"),
+            (16.1, 4.6, 6.6, "ncdc simulate:\nevery pixel compared"),
+            (11.0, 1.0, 3.0, "tiles"),
+            (16.1, 3.0, 1.0, "24 bits"))),
+    "guide-platform-designer.png": Drawing(
         ((0, 0, 2.9, 4.6, "your system in\nPlatform Designer\n\nprocessor or\nJTAG host\n\n"
           "memory controller"),
          (6.4, 0, 2.7, 4.6, "ncdc_system\n\ncamera, frame stores,\ncorrector\n\nUSB"),
@@ -38,7 +54,7 @@ DRAWINGS = {    # file: boxes, arrows, note
          (9.1, 12.2, 1.0, "usb", "8 data lines, 60 MHz")),
         "one clock and one reset for module and interconnect; sensor and FT232H bring their own "
         "clocks"),
-    "de10-nano.png": (
+    "de10-nano.png": Drawing(
         ((0, 0, 2.9, 4.6, "hard processor\n\nLinux, /dev/uio0\n\nEthernet\n\nDDR3"),
          (6.6, 0, 2.9, 4.6, "HpsCore\n\ncamera, frame stores,\ncorrector\n\nscan-out"),
          (12.4, 2.6, 2.5, 2.0, "sensor\n\nD5M"),
@@ -51,7 +67,7 @@ DRAWINGS = {    # file: boxes, arrows, note
          (9.5, 12.4, 2.3, "i2c", "to both"),
          (9.5, 12.4, 1.0, "picture", "24 bits, clock, syncs")),
         "100 MHz for core, ports and bridge; sensor and screen have their own clocks"),
-    "board-system.png": (
+    "board-system.png": Drawing(
         ((0, 1.3, 2.3, 2.0, "88E1111\n\ncable to a PC"),
          (5.4, 0, 3.0, 4.6, "processor\n\nVexRiscv, firmware\n\nMAC, RGMII"),
          (11.7, 0, 3.0, 4.6, "board's core\n\ncamera, corrector\n\nSDRAM, scan-out\n\npacketiser")),
@@ -62,7 +78,7 @@ DRAWINGS = {    # file: boxes, arrows, note
          (11.7, 8.4, 1.3, "frames", "word by word, Table II")),
         "without --system there is no packetiser, and the registers are reached by serial port and "
         "JTAG alone"),
-    "colorlight-i9.png": (
+    "colorlight-i9.png": Drawing(
         ((0, 1.3, 2.3, 2.0, "B50612D\n\ncable to a PC"),
          (5.2, 0, 3.0, 4.6, "processor\n\nVexRiscv, firmware\n\nMAC, RGMII"),
          (11.2, 0, 2.8, 4.6, "board's core\n\ncamera, corrector\n\npacketiser\n\n"
@@ -77,7 +93,7 @@ DRAWINGS = {    # file: boxes, arrows, note
          (16.6, 14.0, 4.0, "sensor", "clock, lines, data"), (14.0, 16.6, 3.0, "I2C", "registers"),
          (14.0, 16.6, 1.1, "bursts", "50 MHz")),
         "no screen: pictures leave by the cable alone; registers through a serial port too"),
-    "guide-zynq.png": (
+    "guide-zynq.png": Drawing(
         ((0, 0, 2.9, 4.6, "processing system\nof a Zynq or Kria\n\nLinux, /dev/uio0\n\n"
           "DDR memory"),
          (6.4, 0, 2.7, 4.6, "ncdc_system_axi\n\ncamera, frame stores,\ncorrector"),
@@ -89,7 +105,7 @@ DRAWINGS = {    # file: boxes, arrows, note
          (12.2, 9.1, 2.9, "sensor", "clock, frame, line, data"),
          (9.1, 12.2, 2.0, "i2c", "two lines, open drain")),
         "aclk, aresetn: from the same clock and reset block as the interconnect"),
-    "guide-litex.png": (
+    "guide-litex.png": Drawing(
         ((0, 0, 2.9, 4.6, "your LiteX SoC\n\nprocessor, or a\nbridge to a PC\n\n"
           "LiteDRAM:\ncrossbar, controller"),
          (6.4, 0, 2.7, 4.6, "NCDC\n\nregisters\n\ncorrector\n\nbridges to\nnative ports"),
@@ -100,7 +116,7 @@ DRAWINGS = {    # file: boxes, arrows, note
          (6.4, 2.9, 1.1, "get_port()", "native port: corrected frames"),
          (9.1, 12.2, 2.3, "source", 'instead, with output="stream"')),
         "one clock domain, sys; as many native ports as the corrector has hosts"),
-    "guide-verilog.png": (
+    "guide-verilog.png": Drawing(
         ((0, 0, 2.9, 4.6, "your design\n\nregisters: one master,\none access at a time\n\n"
           "your memory\ncontroller"),
          (6.4, 0, 2.7, 4.6, "ncdc\n\nregisters\n\ncache of tiles,\nnetwork,\ninterpolation"),
@@ -111,7 +127,7 @@ DRAWINGS = {    # file: boxes, arrows, note
          (6.4, 2.9, 1.1, "write", "bursts of 1 to 16 words"),
          (9.1, 12.2, 2.3, "stream", "instead, with --to stream")),
         "one clock clk, synchronous reset rst"),
-    "usb.png": (
+    "usb.png": Drawing(
         ((0, .9, 2.2, 2.8, "PC\n\npyftdi\n\nTable I and II,\nregisters"),
          (4.6, .9, 2.2, 2.8, "FT232H\n\n245 synchronous\nFIFO"),
          (9.2, 0, 2.5, 4.6, "UsbFifo\n\ntwo queues\nbetween\nthe clocks\n\nSplitter"),
@@ -122,7 +138,7 @@ DRAWINGS = {    # file: boxes, arrows, note
          (11.7, 13.6, 3.2, "bytes", ""), (13.6, 11.7, 1.9, "beats", "")),
         "ByteCommands reads and writes registers of the system, and reads frames from memory by "
         "a port of its own"),
-    "soc.png": (
+    "soc.png": Drawing(
         ((0, 3.1, 2.2, 4.7, "image sensor\n\nMT9P031\n\na model\nat its pins"),
          (4.9, 3.1, 3.4, 4.7, "ncdc_core\n\ncamera: capture,\nframe stores, I2C\n\n"
           "corrector\n\npacketiser\n\nbridges"),
@@ -136,28 +152,48 @@ DRAWINGS = {    # file: boxes, arrows, note
          (11.2, 8.3, 6.9, "Wishbone", "registers of all"),
          (8.3, 11.2, 4.1, "frames", "pictures, 32 bits"),
          (14.8, 17.4, 4.5, "pictures", "GVSP"), (17.4, 14.8, 3.4, "commands", "GVCP, TCP")),
-        "no processor touches a pixel: it writes headers and registers"),
+        "no processor touches a pixel: it writes headers and registers",
+        (12.5, 5.6), (
+            (5.2, 3.1, 1.6, "port 0\nwrites"),
+            (6.3, 1.6, 3.1, "port 1\npackets"),
+            (7.5, 1.6, 3.1, "port 2\ncorrector"),
+            (11.7, 5.7, 4.8, "answers"),
+            (13.4, 4.8, 5.7, "commands"))),
+    "axi.png": Drawing(
+        ((-.6, 0, 2.9, 4.6, "processing system\nof a Zynq or Kria\n\nLinux, ncdc_driver.py\n"
+          "/dev/uio0\n\nDDR memory"),
+         (5.7, 0, 2.6, 4.6, "ncdc_axi\n\nregisters\n\ncache of tiles,\nnetwork,\ninterpolation\n\n"
+          "burst writer"),
+         (11.2, .9, 2.1, 1.1, "video out,\nVDMA, ...")),
+        ((2.3, 5.7, 4.1, "s_axi", "M_AXI_GP0 / HPM0: registers"),
+         (5.7, 2.3, 3.1, "irq", "IRQ_F2P"),
+         (5.7, 2.3, 2.1, "m_axi_read0", "S_AXI_HP0: raw frame"),
+         (5.7, 2.3, 1.1, "m_axi_write", "S_AXI_HP1: corrected frame"),
+         (8.3, 11.2, 1.45, "m_axis", "instead, with --to stream")),
+        "aclk, aresetn: from the same clock and reset block as the interconnect", (11.5, 4.1)),
+    "board.png": Drawing(
+        ((-.4, 1.5, 2.4, 2.2, "sensor\n\nMT9P031 (D5M),\nOV5640"),
+         (4.2, 0, 3.0, 5.2, "camera system\n\ncapture\n\nframe stores\n\ncorrector"),
+         (10.0, 0, 2.6, 2.2, "SDRAM controller"),
+         (10.0, 3.0, 2.6, 2.2, "scan-out\n\none row early"),
+         (15.4, 0, 2.0, 2.2, "SDRAM chip"),
+         (15.4, 3.0, 2.0, 2.2, "monitor")),
+        ((2.0, 4.2, 3.2, "pixel clock", "frame, line, data"),
+         (4.2, 2.0, 2.0, "I2C", "registers"),
+         (7.2, 10.0, 1.4, "write", "raw, corrected"),
+         (10.0, 7.2, .6, "read", "raw"),
+         (7.2, 10.0, 4.1, "reader", "newest whole frame"),
+         (12.6, 15.4, 1.1, "bursts", "whole rows"),
+         (12.6, 15.4, 4.1, "VGA, GPDI", "the mode's own rate")),
+        "the scan-out reads from memory too, with the highest priority; buttons choose the lens; "
+        "registers through a serial port", (12.5, 4.3)),
 }
-VERTICAL = {    # file: arrows (x, from y, to y, text at the right)
-    "how-it-works.svg": ((11.0, 6.6, 4.6, "ncdc generate: this\nwhole row as Verilog"),
-                         (16.1, 4.6, 6.6, "ncdc simulate:\nevery pixel compared"),
-                         (11.0, 1.0, 3.0, "tiles"), (16.1, 3.0, 1.0, "24 bits")),
-    "soc.png": ((5.2, 3.1, 1.6, "port 0\nwrites"), (6.3, 1.6, 3.1, "port 1\npackets"),
-                (7.5, 1.6, 3.1, "port 2\ncorrector"),
-                (11.7, 5.7, 4.8, "answers"), (13.4, 4.8, 5.7, "commands")),
-}
-
-
-def size_of(name):
-    """Inches of the drawing ``name``, (width, height)."""
-    return (12.5, 5.6) if name in VERTICAL else (12.5, 4.1)
 
 
 def draw_all(folder):
     """Write all drawings into a folder."""
-    for name, (boxes, arrows, note) in DRAWINGS.items():
-        draw_boxes(str(Path(folder) / name), boxes, arrows, note, size_of(name),
-                   VERTICAL.get(name, ()))
+    for name, drawing in DRAWINGS.items():
+        draw_boxes(str(Path(folder) / name), *drawing)
 
 
 if __name__ == "__main__":

@@ -8,6 +8,7 @@ import sys
 from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 
+from ncdc_bench.figures.box_drawing import write_figure
 from ncdc_boards.colorlight_i9.platform import CAMERA_WIRES
 
 __all__ = ["draw_header"]
@@ -37,7 +38,7 @@ def draw_header(path):
     axes.set_xlim(-.2, _PINS / 2 + .2)
     axes.set_ylim(-.8, 2.5)
     axes.set_axis_off()
-    figure.savefig(path, dpi=90, format="png", metadata={"Software": None}, bbox_inches="tight")
+    write_figure(path, figure)
 
 
 if __name__ == "__main__":

@@ -6,6 +6,7 @@ from pathlib import Path
 from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 
+from ncdc_bench.figures.box_drawing import write_figure
 from ncdc_spec.protocols.table_two import FIELDS
 
 __all__ = ["FILE", "PACKETS", "draw_packets", "packets_figure"]
@@ -33,8 +34,7 @@ PACKETS = {         # title: fields and their bytes; 0: as many as there are
 
 def draw_packets(folder):
     """Write the drawing into ``folder``; the fields of each packet, four bytes a row."""
-    packets_figure().savefig(Path(folder) / FILE, dpi=90, format="png",
-                             metadata={"Software": None}, bbox_inches="tight")
+    write_figure(Path(folder) / FILE, packets_figure())
 
 
 def packets_figure():

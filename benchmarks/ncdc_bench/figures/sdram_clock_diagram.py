@@ -1,52 +1,26 @@
-"""The drawings of the pages on boards.
+"""The clocks of a board's SDRAM.
 
-    python -m ncdc_bench.figures.board_diagrams docs/figures
+    python -m ncdc_bench.figures.sdram_clock_diagram docs/figures/board-sdram-clock.png
 """
 
 import re
 import sys
-from pathlib import Path
 
 from matplotlib.figure import Figure
 
-from ncdc_bench.figures.box_drawing import draw_boxes
+from ncdc_bench.figures.box_drawing import write_figure
 from ncdc_boards.quartus.de1_soc import BOARD
 from ncdc_boards.quartus.sdc import SDRAM_NS
 from ncdc_hdl.video.modes import mode_named
 from ncdc_sim.runner import HDL
 
-__all__ = ["DRAWING", "draw_all"]
+__all__ = ["draw_sdram_clock"]
 
-_BOXES = (
-    (-.4, 1.5, 2.4, 2.2, "sensor\n\nMT9P031 (D5M),\nOV5640"),
-    (4.2, 0, 3.0, 5.2, "camera system\n\ncapture\n\nframe stores\n\ncorrector"),
-    (10.0, 0, 2.6, 2.2, "SDRAM controller"),
-    (10.0, 3.0, 2.6, 2.2, "scan-out\n\none row early"),
-    (15.4, 0, 2.0, 2.2, "SDRAM chip"),
-    (15.4, 3.0, 2.0, 2.2, "monitor"),
-)
-_ARROWS = (
-    (2.0, 4.2, 3.2, "pixel clock", "frame, line, data"),
-    (4.2, 2.0, 2.0, "I2C", "registers"),
-    (7.2, 10.0, 1.4, "write", "raw, corrected"),
-    (10.0, 7.2, .6, "read", "raw"),
-    (7.2, 10.0, 4.1, "reader", "newest whole frame"),
-    (12.6, 15.4, 1.1, "bursts", "whole rows"),
-    (12.6, 15.4, 4.1, "VGA, GPDI", "the mode's own rate"),
-)
-DRAWING = (_BOXES, _ARROWS, "the scan-out reads from memory too, with the highest priority; "
-           "buttons choose the lens; registers through a serial port", (12.5, 4.3))
 _LINE, _FILL, _TEXT = "#30507a", "#cfdff2", 9
 
 
-def draw_all(folder):
-    """Write both drawings into a folder: the blocks of a board, and the clocks of its SDRAM."""
-    draw_boxes(str(Path(folder) / "board.png"), *DRAWING)
-    _sdram_clock(Path(folder) / "board-sdram-clock.png")
-
-
-def _sdram_clock(path):
-    """When the SDRAM samples a command, and when the core takes what it answers.
+def draw_sdram_clock(path):
+    """Draw when the SDRAM samples a command, and when the core takes what it answers.
 
     Outputs and inputs of the FPGA take what they take in the simulation by default.
     """
@@ -78,7 +52,7 @@ def _sdram_clock(path):
     axes.set_ylim(-.5, 3.9)
     for side in ("top", "right", "left"):
         axes.spines[side].set_visible(False)
-    figure.savefig(path, dpi=90, format="png", metadata={"Software": None}, bbox_inches="tight")
+    write_figure(path, figure)
 
 
 def _pins():
@@ -105,4 +79,4 @@ def _window(axes, row, start, end, text):
 
 
 if __name__ == "__main__":
-    draw_all(sys.argv[1])
+    draw_sdram_clock(sys.argv[1])
