@@ -5,12 +5,12 @@ import pytest
 from scipy.interpolate import BSpline
 from scipy.spatial.transform import Rotation
 
-from ncdc_model.baselines import BASELINES
-from ncdc_model.baselines.mesh import fit_bicubic_mesh
-from ncdc_model.baselines.polyharmonic import fit_polyharmonic
+from ncdc_bench.baselines import BASELINES
+from ncdc_bench.baselines.mesh import fit_bicubic_mesh
+from ncdc_bench.baselines.polyharmonic import fit_polyharmonic
+from ncdc_bench.reference_lenses import ReferenceLens
 from ncdc_model.evaluate import map_error
 from ncdc_model.lens import AsariPolynomial
-from ncdc_model.reference_lenses import ReferenceLens
 from ncdc_model.training.problem import Problem
 from ncdc_spec.geometry import Geometry
 

@@ -7,8 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from ncdc_model.lens import Camera
-from ncdc_model.reference_lenses import (
+from ncdc_bench.reference_lenses import (
     COLUMNS,
     MARGIN,
     NOISE,
@@ -17,6 +16,7 @@ from ncdc_model.reference_lenses import (
     ReferenceLens,
     reference_table,
 )
+from ncdc_model.lens import Camera
 from ncdc_spec.errors import InputError
 
 SHARED = Path(__file__).resolve().parents[3] / "shared" / "lenses"

@@ -10,8 +10,8 @@ from ncdc.cli import main
 from ncdc_bench.accuracy.command import by_lens, table
 from ncdc_bench.accuracy.measure import MODELS, NETWORKS, fits_of, jobs_of, reliability
 from ncdc_bench.accuracy.plots import plot_accuracy
-from ncdc_model.baselines import BASELINES
-from ncdc_model.reference_lenses import REFERENCE_LENSES, ReferenceLens
+from ncdc_bench.baselines import BASELINES
+from ncdc_bench.reference_lenses import REFERENCE_LENSES, ReferenceLens
 
 regress = pytest.mark.regress
 KEYS = {"lens", "residual", "model", "hidden_neurons", "seed", "mse", "mean", "max", "fixed_mse",

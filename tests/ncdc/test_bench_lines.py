@@ -17,7 +17,7 @@ from ncdc_bench.lines.measure import (
     find_lines,
     summary,
 )
-from ncdc_model.reference_lenses import ReferenceLens
+from ncdc_bench.reference_lenses import ReferenceLens
 
 PITCH, SIZE = 40.0, (640, 480)
 

@@ -7,12 +7,12 @@ import numpy as np
 import pytest
 
 from ncdc.cli import main
+from ncdc_bench.tansig.accuracy import exact_error, measure
 from ncdc_bench.tansig.command import complaint, table
+from ncdc_bench.tansig.exhaustive import every_value, pipeline_outputs, scattered
 from ncdc_bench.tansig.measure import sampled_inputs, tansig_row, verilog_outputs
 from ncdc_bench.tansig.plots import plot_tansig
 from ncdc_hdl.neural.tansig import Tansig
-from ncdc_model.golden.tansig_accuracy import exact_error, measure
-from ncdc_sim.exhaustive import every_value, pipeline_outputs, scattered
 from ncdc_spec.errors import InputError
 from ncdc_spec.tansig import FRACTION_BITS, VARIANTS, TansigDesign, design_for, tansig
 

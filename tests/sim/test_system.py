@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 
 from cameras import barrel_descriptor
+from ncdc_bench.system.readers import simulate_readers
 from ncdc_hdl.export.verilog.system_cover import system_verilog
 from ncdc_hdl.system import System
 from ncdc_sim.sensor.verilog import Fault, Light
 from ncdc_sim.system.camera import simulate_camera
 from ncdc_sim.system.live import Clocks
-from ncdc_sim.system.readers import simulate_readers
 from ncdc_sim.waves import FORMATS, Waves
 from ncdc_spec.hardware import Hardware
 from ncdc_spec.sensors.catalogue import sensor_named, setup

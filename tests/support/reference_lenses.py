@@ -1,6 +1,6 @@
 """The simulated lenses on which the accuracy goals were set."""
 
-from ncdc_model.reference_lenses import ReferenceLens
+from ncdc_bench.reference_lenses import ReferenceLens
 
 
 def reference_lens(name):

@@ -8,7 +8,7 @@ from ncdc.cli.common import add_json, write_report
 from ncdc.terminal import Progress
 from ncdc_bench.accuracy.measure import MODELS, NETWORKS, fits_of, jobs_of, reliability
 from ncdc_bench.accuracy.plots import plot_accuracy
-from ncdc_model.reference_lenses import REFERENCE_LENSES
+from ncdc_bench.reference_lenses import REFERENCE_LENSES
 from ncdc_spec.descriptor import MAX_NEURONS
 from ncdc_spec.errors import InputError
 from ncdc_spec.files import check_outputs, write_stream

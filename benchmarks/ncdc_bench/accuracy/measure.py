@@ -5,10 +5,10 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from ncdc_model.baselines import BASELINES
+from ncdc_bench.baselines import BASELINES
+from ncdc_bench.reference_lenses import ReferenceLens
 from ncdc_model.evaluate import float_map, map_error
 from ncdc_model.golden.network import coordinates
-from ncdc_model.reference_lenses import ReferenceLens
 from ncdc_model.training.choices import TrainingChoices
 from ncdc_model.training.rounding import round_network
 from ncdc_model.training.train import train

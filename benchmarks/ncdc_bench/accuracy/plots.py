@@ -6,7 +6,7 @@ from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
 
 from ncdc_bench.accuracy.measure import MODELS, NETWORKS
-from ncdc_model.reference_lenses import ReferenceLens
+from ncdc_bench.reference_lenses import ReferenceLens
 from ncdc_spec.files import replace_file
 
 __all__ = ["plot_accuracy"]

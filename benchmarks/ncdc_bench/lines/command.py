@@ -15,7 +15,7 @@ from ncdc_bench.lines.measure import (
     summary,
 )
 from ncdc_bench.lines.plots import plot_lines
-from ncdc_model.reference_lenses import REFERENCE_LENSES, ReferenceLens
+from ncdc_bench.reference_lenses import REFERENCE_LENSES, ReferenceLens
 from ncdc_spec.files import check_outputs
 
 __all__ = ["EXAMPLE", "HELP", "add_arguments", "run", "table"]

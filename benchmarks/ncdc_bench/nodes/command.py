@@ -7,7 +7,7 @@ from ncdc.terminal import Progress
 from ncdc_bench.accuracy.command import neuron_counts
 from ncdc_bench.nodes.measure import WIDTHS, curvatures, descriptor_of, rows_of
 from ncdc_bench.nodes.plots import plot_nodes
-from ncdc_model.reference_lenses import REFERENCE_LENSES
+from ncdc_bench.reference_lenses import REFERENCE_LENSES
 from ncdc_spec.files import check_outputs
 
 __all__ = ["EXAMPLE", "HELP", "add_arguments", "run", "table"]

@@ -4,10 +4,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from ncdc_bench.reference_lenses import ReferenceLens
 from ncdc_model.evaluate import float_map
 from ncdc_model.golden.network import coordinates, network, normalised_scan
 from ncdc_model.golden.nodes import curvature, largest_nodes
-from ncdc_model.reference_lenses import ReferenceLens
 from ncdc_model.training.choices import TrainingChoices
 from ncdc_model.training.rounding import round_network
 from ncdc_model.training.train import train

@@ -5,6 +5,7 @@ from fractions import Fraction
 
 import numpy as np
 
+from ncdc_bench.system.readers import simulate_readers
 from ncdc_bench.throughput.lenses import Lens, trained
 from ncdc_hdl.corrector import Corrector
 from ncdc_hdl.export.verilog.system_cover import system_verilog
@@ -14,7 +15,6 @@ from ncdc_model.planner.plan import Fixed, plan
 from ncdc_model.planner.with_camera import clocks_with_camera, follow_bound_with_camera
 from ncdc_sim.sensor.verilog import Fault, Light
 from ncdc_sim.system.camera import simulate_camera
-from ncdc_sim.system.readers import simulate_readers
 from ncdc_spec.hardware import Hardware
 from ncdc_spec.sensors.framing import setup_around
 from ncdc_spec.sensors.mt9p031 import SENSOR

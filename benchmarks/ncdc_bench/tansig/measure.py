@@ -3,10 +3,10 @@
 import numpy as np
 
 from ncdc.toolchain.flows import Registered, cyclone_v, synthesise
+from ncdc_bench.tansig.accuracy import measure
+from ncdc_bench.tansig.exhaustive import every_value, pipeline_outputs, scattered
 from ncdc_hdl.export.verilog import module_verilog
 from ncdc_hdl.neural.tansig import Tansig
-from ncdc_model.golden.tansig_accuracy import measure
-from ncdc_sim.exhaustive import every_value, pipeline_outputs, scattered
 from ncdc_spec.tansig import tansig
 
 __all__ = ["sampled_inputs", "tansig_row", "verilog_outputs"]
@@ -33,7 +33,7 @@ def verilog_outputs(component, n, *, progress=None):
     """Raw results of the generated Verilog of ``component``, a Tansig, for inputs ``n``.
 
     The inputs enter in an order in which neighbours are far apart. Errors raised: as
-    :func:`ncdc_sim.exhaustive.pipeline_outputs`.
+    :func:`ncdc_bench.tansig.exhaustive.pipeline_outputs`.
     """
     order = scattered(1 << int(n.size - 1).bit_length())
     order = order[order < n.size]
@@ -64,7 +64,7 @@ def tansig_row(design, *, sampled=False, synthesis=True, routed=True,
         ``max_ulp``, ``bound_ulp``: in units of 2**-``fraction_bits``. ``correctly_rounded``: share
         of results within half of that. ``mse``: of the real values; ``mse_ideal``: of ideal
         rounding. ``differences``: results that are not the golden model's. ``latency``: in clocks.
-        The booleans of :class:`ncdc_model.golden.tansig_accuracy.Accuracy`.
+        The booleans of :class:`ncdc_bench.tansig.accuracy.Accuracy`.
 
     Raises
     ------

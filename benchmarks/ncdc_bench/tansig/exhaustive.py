@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 
 from ncdc_hdl.export.verilog import module_verilog
-from ncdc_sim.runner import HDL, build, command_of, run
+from ncdc_sim.runner import build, command_of, run
 from ncdc_spec.errors import InputError
 
 __all__ = ["every_value", "pipeline_outputs", "scattered"]
@@ -65,7 +65,7 @@ def pipeline_outputs(component, inputs, *, progress=None):
         raise InputError(f"inputs from {inputs.min()} to {inputs.max()} do not fit {bits_in} bits")
     progress("building")
     program = build(TOP, TOP, [(f"{TOP}.v", module_verilog(component, TOP))],
-                    main=HDL / "pipeline_main.cpp")
+                    main=Path(__file__).parent / "pipeline_main.cpp")
     progress("running")
     with tempfile.TemporaryDirectory(prefix="ncdc-") as name:
         folder = Path(name)

@@ -6,9 +6,9 @@ Each is a function of a :class:`~ncdc_model.training.problem.Problem` that retur
 
 from functools import partial
 
-from ncdc_model.baselines.asari import fit_asari
-from ncdc_model.baselines.mesh import fit_bicubic_mesh, fit_bilinear_mesh
-from ncdc_model.baselines.opencv import fit_brown, fit_fisheye, fit_full
+from ncdc_bench.baselines.asari import fit_asari
+from ncdc_bench.baselines.mesh import fit_bicubic_mesh, fit_bilinear_mesh
+from ncdc_bench.baselines.opencv import fit_brown, fit_fisheye, fit_full
 
 __all__ = ["BASELINES"]
 

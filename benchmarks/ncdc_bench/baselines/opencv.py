@@ -3,7 +3,7 @@
 import cv2
 import numpy as np
 
-from ncdc_model.baselines.projection import fit_projection
+from ncdc_bench.baselines.projection import fit_projection
 
 __all__ = ["fit_brown", "fit_fisheye", "fit_full"]
 

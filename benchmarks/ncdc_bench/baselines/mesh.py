@@ -3,7 +3,7 @@
 import numpy as np
 from scipy.interpolate import BSpline
 
-from ncdc_model.baselines.polyharmonic import fit_polyharmonic
+from ncdc_bench.baselines.polyharmonic import fit_polyharmonic
 
 __all__ = ["fit_bicubic_mesh", "fit_bilinear_mesh"]
 
