@@ -3,17 +3,16 @@
 import cv2
 import numpy as np
 
+from chessboards import chessboard
 from ncdc_model.calibration.board_edges import are_squares, on_edges, readings
 from ncdc_model.calibration.corners import check_squares, find_corner_lattices
 
 
 def board(columns=6, rows=5, step=40):
-    y, x = np.mgrid[:(rows + 3) * step, :(columns + 3) * step]
-    i, j = x // step - 1, y // step - 1
-    black = (i >= 0) & (i <= columns) & (j >= 0) & (j <= rows) & ((i + j) % 2 == 0)
+    picture, first = chessboard(columns, rows, step, 220)
     index = np.stack(np.meshgrid(np.arange(columns), np.arange(rows)), axis=-1).reshape(-1, 2)
-    picture = cv2.GaussianBlur(np.where(black, 20, 220).astype(np.uint8), (0, 0), 1)
-    return picture.astype(np.float32), index, index * step + 2.0 * step - 0.5
+    picture = cv2.GaussianBlur(picture, (0, 0), 1)
+    return picture.astype(np.float32), index, index * step + first
 
 
 def test_all_corners_of_a_board_are_on_edges():

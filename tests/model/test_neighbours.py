@@ -4,6 +4,7 @@ import cv2
 import numpy as np
 import pytest
 
+from chessboards import chessboard
 from ncdc_model.calibration.background import on_one_background
 from ncdc_model.calibration.corners import check_squares, find_corner_lattices
 from ncdc_model.calibration.dots import find_dots
@@ -122,27 +123,20 @@ def test_light_that_falls_off_slowly_drops_none():
     assert on_one_background(picture, photo) is photo
 
 
-def board(columns, rows, step=30):
-    y, x = np.mgrid[:(rows + 3) * step, :(columns + 3) * step]
-    i, j = x // step - 1, y // step - 1
-    black = (i >= 0) & (i <= columns) & (j >= 0) & (j <= rows) & ((i + j) % 2 == 0)
-    return np.where(black, 20, 220).astype(np.uint8)
-
-
 @pytest.mark.parametrize("columns,rows", [(3, 3), (7, 4), (15, 9)])
 @pytest.mark.parametrize("blur", [0, 4])
 def test_all_corners_of_a_board_of_unknown_size(columns, rows, blur):
-    picture = board(columns, rows)
+    picture, first = chessboard(columns, rows, 30, 220)
     picture = cv2.GaussianBlur(picture, (0, 0), blur) if blur else picture
     (found,) = find_corner_lattices(picture)
     order = np.lexsort(found.index.T)
     assert len(order) == columns * rows
-    np.testing.assert_allclose(found.xy[order], 59.5 + 30 * found.index[order], atol=0.1)
+    np.testing.assert_allclose(found.xy[order], first + 30 * found.index[order], atol=0.1)
 
 
 @pytest.mark.parametrize("skip", [2, 3])
 def test_a_lattice_that_skips_corners_is_no_board(skip):
-    picture = cv2.GaussianBlur(board(12, 12), (0, 0), 1).astype(np.float32)
+    picture = cv2.GaussianBlur(chessboard(12, 12, 30, 220)[0], (0, 0), 1).astype(np.float32)
     index = np.array([(i, j) for i in range(4) for j in range(4)])
     assert check_squares(picture, index, 59.5 + 30.0 * index).all()
     assert not check_squares(picture, index, 59.5 + 30.0 * skip * index).any()

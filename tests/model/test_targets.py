@@ -7,6 +7,7 @@ import cv2
 import numpy as np
 import pytest
 
+from chessboards import chessboard
 from ncdc_model.calibration.boards import find_chessboard
 from ncdc_model.calibration.charuco import find_any_charuco, find_charuco
 from ncdc_model.calibration.detect import detect_points, parse_target
@@ -19,15 +20,6 @@ from ncdc_spec.errors import InputError
 from photos import full_photos, photos
 
 regress = pytest.mark.regress
-
-
-def chessboard(columns, rows, step=40, colour=(230, 230, 230)):
-    """Picture of a board with ``columns`` x ``rows`` inner corners, and its first corner."""
-    y, x = np.mgrid[:(rows + 3) * step, :(columns + 3) * step]
-    i, j = x // step - 1, y // step - 1
-    board = (i >= 0) & (i <= columns) & (j >= 0) & (j <= rows) & ((i + j) % 2 == 0)
-    picture = np.where(board[:, :, None], 20, np.array(colour)).astype(np.uint8)
-    return picture, 2 * step - 0.5
 
 
 @pytest.mark.parametrize("columns,rows", [(9, 6), (8, 6), (6, 4)])
@@ -46,7 +38,7 @@ def test_board_upside_down_is_numbered_from_the_top_left(columns, rows):
 
 
 def test_raw_chessboard_with_colour_cast():
-    picture, first = chessboard(9, 6, colour=(130, 230, 100))
+    picture, first = chessboard(9, 6, light=(130, 230, 100))
     found = find_chessboard(mosaic(picture), 9, 6)
     np.testing.assert_allclose(found.xy, first + 40 * found.index, atol=0.5)
 

@@ -5,18 +5,10 @@ import pytest
 from cases import cases
 from formal.native import NativeReads, NativeWrites, WishboneAccesses
 from formal.sby import FAIL, PASS, run
-from ncdc_hdl.avalon.native import NativeReader, NativeWriter
-from ncdc_hdl.avalon.wishbone import WishboneAgent
+from ncdc_hdl.avalon.native import NativeWriter
+from planted_bridges import CommandOnly, Forgets, TooEarly
 
 _WRITE_CLOCKS = 8       # of the bounded proof: the queue of 2 is filled and emptied
-
-
-class TooEarly(NativeReader):
-    """Accepts a burst while the last command of the one before is not taken."""
-
-    @staticmethod
-    def _accepts(left, ready):
-        return left <= 1
 
 
 class NoSpace(NativeWriter):
@@ -25,22 +17,6 @@ class NoSpace(NativeWriter):
     @staticmethod
     def _space(for_command, for_word):
         return for_command
-
-
-class CommandOnly(NativeWriter):
-    """Answers as soon as a command has left."""
-
-    @staticmethod
-    def _answers(command_left, last_taken):
-        return command_left
-
-
-class Forgets(WishboneAgent):
-    """Gives the word of an access that was given up to the next one."""
-
-    @staticmethod
-    def _remembered():
-        return 0
 
 
 PROOFS = {"reads": (NativeReads, "prove", 3), "writes": (NativeWrites, "bmc", _WRITE_CLOCKS),

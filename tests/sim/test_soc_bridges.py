@@ -6,32 +6,9 @@ from cocotb_run import design_of, run_cocotb
 from ncdc_hdl.avalon.native import NativeReader, NativeWriter
 from ncdc_hdl.avalon.wishbone import WishboneAgent
 from ncdc_sim.tools import SimulationError
+from planted_bridges import CommandOnly, Forgets, TooEarly
 
 _BURST = 8
-
-
-class CommandOnly(NativeWriter):
-    """Answers as soon as a command has left."""
-
-    @staticmethod
-    def _answers(command_left, last_taken):
-        return command_left
-
-
-class TooEarly(NativeReader):
-    """Accepts a burst while the last command of the one before is not taken."""
-
-    @staticmethod
-    def _accepts(left, ready):
-        return left <= 1
-
-
-class Forgets(WishboneAgent):
-    """Gives the word of an access that was given up to the next one."""
-
-    @staticmethod
-    def _remembered():
-        return 0
 
 
 COMPONENTS = {"reader": NativeReader(32, _BURST), "writer": NativeWriter(32, _BURST, 4, depth=4),
