@@ -21,14 +21,13 @@ from migen import ClockSignal, Instance, ResetSignal, Signal
 
 from ncdc_hdl.export.verilog.names import check_module_name
 from ncdc_soc.module_core import ModuleCore
+from ncdc_soc.native import native_port
 from ncdc_spec.descriptor import Descriptor
 from ncdc_spec.errors import InputError
 from ncdc_spec.hardware import Hardware
 from ncdc_spec.registers.register_map import ADDRESS_WORDS_BITS
 
 __all__ = ["NCDC"]
-
-_ANY_ADDRESS_BITS = 32          # of the core's byte addresses
 
 
 class NCDC(LiteXModule):
@@ -89,7 +88,7 @@ class NCDC(LiteXModule):
 
         ports = {}
         for k in range(core.ports):
-            ports |= self._memory(crossbar.get_port(), f"port{k}__")
+            ports |= native_port(self, crossbar.get_port(), f"port{k}__")
         if hardware.stream:
             ports |= self._stream()
         self.specials += Instance(
@@ -106,19 +105,6 @@ class NCDC(LiteXModule):
     def region(origin=None):
         """The :class:`SoCRegion` of the registers at a byte address, or where LiteX finds space."""
         return SoCRegion(origin=origin, size=4 << ADDRESS_WORDS_BITS, cached=False)
-
-    def _memory(self, port, prefix):
-        """The core's native port of that prefix on LiteDRAM's ``port``."""
-        word_bits = (port.data_width // 8 - 1).bit_length()
-        address = Signal(_ANY_ADDRESS_BITS - word_bits)
-        # The bridges never hold back a word that was read.
-        self.comb += [port.cmd.addr.eq(address), port.rdata.ready.eq(1)]
-        return {
-            f"o_{prefix}cmd_valid": port.cmd.valid, f"i_{prefix}cmd_ready": port.cmd.ready,
-            f"o_{prefix}cmd_we": port.cmd.we, f"o_{prefix}cmd_addr": address,
-            f"o_{prefix}wdata_valid": port.wdata.valid, f"i_{prefix}wdata_ready": port.wdata.ready,
-            f"o_{prefix}wdata_data": port.wdata.data, f"o_{prefix}wdata_we": port.wdata.we,
-            f"i_{prefix}rdata_valid": port.rdata.valid, f"i_{prefix}rdata_data": port.rdata.data}
 
     def _stream(self):
         """The core's stream, red in the top byte, on :attr:`source`."""

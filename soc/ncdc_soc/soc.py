@@ -9,6 +9,7 @@ from litex.gen import LiteXModule
 from migen import ClockDomain, Instance, Signal
 
 from ncdc_soc.mac import ModelPhy
+from ncdc_soc.native import native_port
 from ncdc_soc.processor import Processor, described
 from ncdc_soc.turns import long_turns
 from ncdc_soc.verilog import litex_verilog
@@ -18,7 +19,6 @@ __all__ = ["CLOCK_HZ", "soc_verilog"]
 CLOCK_HZ = 100_000_000
 
 _ROM_BYTES = 0x20000
-_WORD_ADDRESS_BITS = 30         # of the core's ports
 
 _PINS = [
     ("sys_clk", 0, Pins(1)), ("sys_rst", 0, Pins(1)),
@@ -66,18 +66,7 @@ class _Soc(Processor):
         ports = {f"{'i' if driven else 'o'}_{name}": signal
                  for name, (signal, driven) in self.port.items()}
         for k in range(core.ports):
-            port = self.sdram.crossbar.get_port()
-            address = Signal(_WORD_ADDRESS_BITS)
-            self.comb += port.cmd.addr.eq(address)
-            ports |= {
-                f"o_port{k}__cmd_valid": port.cmd.valid, f"i_port{k}__cmd_ready": port.cmd.ready,
-                f"o_port{k}__cmd_we": port.cmd.we, f"o_port{k}__cmd_addr": address,
-                f"o_port{k}__wdata_valid": port.wdata.valid,
-                f"i_port{k}__wdata_ready": port.wdata.ready,
-                f"o_port{k}__wdata_data": port.wdata.data, f"o_port{k}__wdata_we": port.wdata.we,
-                f"i_port{k}__rdata_valid": port.rdata.valid,
-                f"i_port{k}__rdata_data": port.rdata.data}
-            self.comb += port.rdata.ready.eq(1)
+            ports |= native_port(self, self.sdram.crossbar.get_port(), f"port{k}__")
         self.specials += Instance(
             "ncdc_core", **ports, i_clk=self.crg.cd_sys.clk, i_rst=self.crg.cd_sys.rst,
             i_sensor_clock=pins.clock, i_sensor_frame_valid=pins.frame_valid,
