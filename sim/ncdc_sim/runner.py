@@ -4,6 +4,7 @@ import os
 import re
 import shutil
 import subprocess
+import tempfile
 from collections import deque
 from pathlib import Path
 
@@ -18,7 +19,8 @@ from ncdc_sim.tools import (
     version,
 )
 
-__all__ = ["HDL", "build", "build_bench", "command_of", "hdl_text", "run"]
+__all__ = ["HDL", "build", "build_bench", "command_of", "hdl_text", "run",
+           "results_of"]
 
 HDL = Path(__file__).parent / "hdl"
 
@@ -149,3 +151,36 @@ def run(command, folder, on_line=lambda line: None):
     if process.returncode:
         raise SimulationError(f"the simulation ended with status {process.returncode}:\n"
                               + "\n".join(last))
+
+
+def results_of(program, plusargs, hear=lambda kind, *values: None):
+    """Run what :func:`build` made in a folder of its own; the numbers of its lines ``RESULT name
+    number``, by name.
+
+    Parameters
+    ----------
+    program : Path
+    plusargs : dict
+    hear : callable
+        Called with the words of every other line that has any.
+
+    Raises
+    ------
+    SimulationError
+        If it ends with an error status, or without a result.
+    """
+    results = {}
+
+    def on_line(line):
+        kind, *values = line.split() or ["RESULT"]
+        if kind != "RESULT":
+            hear(kind, *values)
+        elif values:
+            results[values[0]] = int(values[1])
+
+    with tempfile.TemporaryDirectory(prefix="ncdc-") as folder:
+        run([*command_of(program), *(f"+{name}={value}" for name, value in plusargs.items())],
+            folder, on_line)
+    if not results:
+        raise SimulationError("the simulation ended without a result")
+    return results

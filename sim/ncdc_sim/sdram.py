@@ -1,16 +1,13 @@
 """The SDRAM controller's Verilog on random traffic, with the chip's model at its pins."""
 
-import tempfile
 from dataclasses import dataclass
 from fractions import Fraction
-from pathlib import Path
 
 from ncdc_hdl.export.verilog import module_verilog
-from ncdc_sim.runner import HDL, build_bench, command_of, run
-from ncdc_sim.tools import SimulationError
+from ncdc_sim.runner import HDL, build_bench, results_of
 
 __all__ = ["ALONE", "ANYWHERE", "CORRECTOR", "Host", "ONWARDS", "SILENT", "chip_parameters",
-           "run_sdram"]
+           "run_sdram", "sdram_results"]
 
 # What a host of ``hdl/sdram_bench.v`` does.
 SILENT, ANYWHERE, ONWARDS, CORRECTOR = range(4)
@@ -94,30 +91,23 @@ def run_sdram(controller, hosts, *, clocks, clock_hz, simulator="verilator", **s
     plusargs |= {name: "".join(f"{getattr(host, field):02x}" for host in reversed(hosts))
                  for name, field in (("kind", "kind"), ("gap", "gap"), ("least", "min_words"),
                                      ("most", "max_words"))}
-    return _results(program, plusargs, len(hosts))
+    found = sdram_results(program, plusargs)
+    for name in ("words", "longest"):
+        found[name] = [found.pop(f"{name}{k}") for k in range(len(hosts))]
+    return found
 
 
-def _results(program, plusargs, hosts):
-    """Run the program; see :func:`run_sdram`."""
-    found, rules = {}, set()
+def sdram_results(program, plusargs):
+    """Numbers of a bench with the chip's model, and ``rules``, the set of rules violated."""
+    rules = set()
 
-    def keep(line):
-        kind, *values = line.split() or [""]
-        if kind == "RESULT":
-            found[values[0]] = int(values[1])
-        elif kind == "SDRAM-VIOLATION":
+    def hear(kind, *values):
+        if kind == "SDRAM-VIOLATION":
             rules.add(values[0])
         elif kind == "AVALON-ERROR":
             rules.add(f"avalon {values[1]}")
 
-    with tempfile.TemporaryDirectory(prefix="ncdc-") as name:
-        run([*command_of(program), *(f"+{key}={value}" for key, value in plusargs.items())],
-            Path(name), keep)
-    if "port_errors" not in found:
-        raise SimulationError("the simulation ended without a result")
-    for name in ("words", "longest"):
-        found[name] = [found.pop(f"{name}{k}") for k in range(hosts)]
-    return found | {"rules": rules}
+    return results_of(program, plusargs, hear) | {"rules": rules}
 
 
 def _dut(controller, parameters):

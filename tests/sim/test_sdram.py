@@ -26,7 +26,7 @@ from ncdc_boards.sdram.init_refresh import InitRefresh
 from ncdc_boards.sdram.segments import Segments
 from ncdc_boards.sdram.write_words import WriteWords
 from ncdc_sim.builds import built, key_of
-from ncdc_sim.runner import HDL, build_bench, command_of, run
+from ncdc_sim.runner import HDL, build_bench
 from ncdc_sim.sdram import (
     ALONE,
     ANYWHERE,
@@ -36,6 +36,7 @@ from ncdc_sim.sdram import (
     Host,
     chip_parameters,
     run_sdram,
+    sdram_results,
 )
 
 SUPPORT = Path(__file__).resolve().parents[1] / "support"
@@ -236,32 +237,20 @@ def litedram(chip, name, **times):
         ("litedram.v", (made / "litedram.v").read_text()), ("sdram_litedram.v", text),
         ("sdram_chip.v", (HDL / "sdram_chip.v").read_text())],
         optimise="-O0", options=("-Wno-fatal", "-Wno-COMBDLY"))
-    results, rules = {}, set()
-
-    def keep(line):
-        kind, *values = line.split() or [""]
-        if kind == "RESULT":
-            results[values[0]] = int(values[1])
-        elif kind == "SDRAM-VIOLATION":
-            rules.add(values[0])
-
-    run([*command_of(program), "+rounds=300", *(f"+{key}={value}" for key, value in
-                                               times.items())], SUPPORT, keep)
-    return results, rules
+    return sdram_results(program, {"rounds": 300} | times)
 
 
 @pytest.mark.longer
 def test_litedram_works_with_the_chip_and_keeps_its_rules():
-    results, rules = litedram(MT48LC16M16A2_75, "MT48LC16M16")
-    assert (results["violations"], results["wrong"], rules) == (0, 0, set())
+    results = litedram(MT48LC16M16A2_75, "MT48LC16M16")
+    assert (results["violations"], results["wrong"], results["rules"]) == (0, 0, set())
     assert results["checked"] == 300 * 64 and results["refreshes"] > 100
     # Its clocks are 2 for tRCD and tRP: a slower chip is seen.
-    results, rules = litedram(MT48LC16M16A2_75, "MT48LC16M16", RCD=21000, RP=21000)
-    assert rules == {"tRCD", "tRP"}
+    slow = litedram(MT48LC16M16A2_75, "MT48LC16M16", RCD=21000, RP=21000)
+    assert slow["rules"] == {"tRCD", "tRP"}
 
 
 @pytest.mark.regress
 def test_litedram_with_a_chip_slower_than_it_thinks():
     """LiteDRAM knows no grades of this chip: tRCD and tRP of grade 7 are 21 ns, not 18."""
-    _, rules = litedram(AS4C16M16SA_7, "AS4C16M16")
-    assert {"tRCD", "tRP"} <= rules
+    assert {"tRCD", "tRP"} <= litedram(AS4C16M16SA_7, "AS4C16M16")["rules"]

@@ -434,9 +434,9 @@ int main(int argc, char** argv) {
     for (int k = 1; k < argc; k++) {
         const std::string text = argv[k];
         const std::uint64_t value = std::strtoull(text.c_str() + text.find('=') + 1, nullptr, 10);
-        if (text.rfind("seed=", 0) == 0) seed = value;
-        if (text.rfind("groups=", 0) == 0) groups = value;
-        if (text.rfind("resets=", 0) == 0) resets = value;      // frames of 256 that are cut short
+        if (text.rfind("+seed=", 0) == 0) seed = value;
+        if (text.rfind("+groups=", 0) == 0) groups = value;
+        if (text.rfind("+resets=", 0) == 0) resets = value;      // frames of 256 that are cut short
     }
     Bench bench(seed, static_cast<int>(resets));
     while (bench.windows < groups * kLanes) bench.frame(groups - bench.windows / kLanes);

@@ -1,12 +1,8 @@
 """The tile cache's Verilog on random windows, with a random memory and a random sink."""
 
-import tempfile
-from pathlib import Path
-
 from ncdc_hdl.backend.layouts import request_layout, window_layout
 from ncdc_hdl.export.verilog import module_verilog
-from ncdc_sim.runner import build, command_of, run
-from ncdc_sim.tools import SimulationError
+from ncdc_sim.runner import build, results_of
 from simulations import HDL
 
 __all__ = ["stress_cache"]
@@ -57,16 +53,4 @@ def stress_cache(cache, *, groups, seed=1, resets=0):
     flags = " ".join(f"-D{name}={value}" for name, value in sorted(defines.items()))
     program = build("cache-stress", TOP, [(f"{TOP}.v", module_verilog(cache, TOP))],
                     main=HDL / "cache_main.cpp", options=("-CFLAGS", flags))
-    results = {}
-
-    def keep(line):
-        kind, *values = line.split() or [""]
-        if kind == "RESULT":
-            results[values[0]] = int(values[1])
-
-    with tempfile.TemporaryDirectory(prefix="ncdc-") as name:
-        run([*command_of(program), f"seed={seed}", f"groups={groups}", f"resets={resets}"],
-            Path(name), keep)
-    if "wrong" not in results:
-        raise SimulationError("the simulation ended without a result")
-    return results
+    return results_of(program, {"seed": seed, "groups": groups, "resets": resets})

@@ -1,11 +1,9 @@
 """Words both ways through a UsbFifo and the model of its chip."""
 
-import tempfile
 from dataclasses import dataclass
-from pathlib import Path
 
 from ncdc_hdl.export.verilog import module_verilog
-from ncdc_sim.runner import HDL, build_bench, command_of, run
+from ncdc_sim.runner import HDL, build_bench, results_of
 from ncdc_sim.tools import SimulationError
 from simulations import HDL as OWN
 
@@ -94,18 +92,13 @@ def simulate_bus(fifo, *, up, down, simulator="verilator", timed=False, verilog=
     sources += [(path.name, path.read_text()) for path in files]
     program = build_bench("usb", "usb_bench", sources, defines=defines, simulator=simulator)
     plusargs = {"up": up, "down": down, "extclk_period": round(1e12 / chip.clock_hz), **options}
-    results, lines = {}, []
+    lines = []
 
-    def on_line(line):
-        words = line.split()
-        if words[:1] == ["RESULT"]:
-            results[words[1]] = int(words[2])
-        elif words and words[0] in ("USB-ERROR", "DIFFERENT"):
-            lines.append(line)
+    def hear(*words):
+        if words[0] in ("USB-ERROR", "DIFFERENT"):
+            lines.append(" ".join(words))
 
-    with tempfile.TemporaryDirectory(prefix="ncdc-") as folder:
-        run([*command_of(program), *(f"+{name}={value}" for name, value in plusargs.items())],
-            Path(folder), on_line)
+    results = results_of(program, plusargs, hear)
     outcome = BusRun(results, lines)
     wrong = {name: results.get(name) for name, right in (
         ("up", up), ("down", down), ("different", 0), ("errors", 0)) if results.get(name) != right}
