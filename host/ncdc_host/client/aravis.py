@@ -10,11 +10,11 @@ import threading
 import time
 from pathlib import Path
 
-from ncdc_host.client.device import Device, FeatureInfo, FrameStream, Rate, Statistics, as_kind
+from ncdc_host.client.device import FeatureInfo, FrameStream, Rate, Statistics, as_kind
 from ncdc_host.client.errors import DeviceError, DeviceGone, NoFrame, Rejected
 from ncdc_host.client.found import Found
 from ncdc_host.client.frame import Frame
-from ncdc_host.client.lens import LensLoader
+from ncdc_host.client.genicam_device import GenicamDevice
 from ncdc_spec.errors import InputError
 from ncdc_spec.pixel_formats import format_of_pfnc
 
@@ -83,7 +83,7 @@ def discover_aravis(seconds):
         bridge.close()
 
 
-class AravisDevice(Device):
+class AravisDevice(GenicamDevice):
     """See :class:`Device`.
 
     Attributes
@@ -118,14 +118,6 @@ class AravisDevice(Device):
             return "monitor"
         return "control" if self._bridge.call("controls") else "lost"
 
-    def names(self):
-        return list(self._kinds)
-
-    def _kind(self, name):
-        if name not in self._kinds:
-            raise DeviceError(f"{self.url} has no feature {name!r}")
-        return self._kinds[name]
-
     def info(self, name):
         kind = self._kind(name)
         value, writable, limits, unit, choices, text = self._bridge.call("info", name, kind)
@@ -156,19 +148,11 @@ class AravisDevice(Device):
         self._bridge.call("start", packet_size, self.packet_timeout_us)
         return AravisStream(self, self._bridge)
 
-    def load_lens(self, descriptor):
-        LensLoader(self).load(descriptor)
-
-    def lens_limits(self):
-        return LensLoader(self).limits()
-
     def read_memory(self, address, count):
-        """``count`` bytes of the device's memory, a multiple of 4."""
         words = self._bridge.call("read_memory", address, count)
         return b"".join(word.to_bytes(4, "big") for word in words)
 
     def write_memory(self, address, data):
-        """Write ``data``, whole words, to the device's memory."""
         self._bridge.call("write_memory", address, list(struct.unpack(f">{len(data) // 4}I", data)))
 
     def close(self):

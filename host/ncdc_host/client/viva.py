@@ -5,12 +5,12 @@ import socket
 import threading
 import time
 
-from ncdc_host.client.device import Device, FeatureInfo, FrameStream, Rate, Statistics, as_kind
+from ncdc_host.client.device import FeatureInfo, FrameStream, Rate, Statistics, as_kind
 from ncdc_host.client.errors import DeviceError, DeviceGone, NoFrame, NotInstalled, Rejected
 from ncdc_host.client.found import Found
 from ncdc_host.client.frame import Frame
+from ncdc_host.client.genicam_device import GenicamDevice
 from ncdc_host.client.gvcp_questions import Questions
-from ncdc_host.client.lens import LensLoader
 from ncdc_host.client.xml_check import check_xml
 from ncdc_spec.errors import InputError
 from ncdc_spec.needs import pip_line
@@ -103,7 +103,7 @@ def _answer_itself(one, acknowledge):
         pass            # the time is over
 
 
-class VivaDevice(Device):
+class VivaDevice(GenicamDevice):
     """See :class:`Device`."""
 
     def __init__(self, address, monitor=False, seconds=1.0):
@@ -126,7 +126,6 @@ class VivaDevice(Device):
                             for name in names}
         self._kinds = {node.name: _KINDS[node.kind] for node in self._camera.all_node_info()
                        if node.kind in _KINDS and node.name in self._categories}
-        self._streams = []
 
     def _call(self, name, call):
         """``call()`` with what goes wrong as a :class:`DeviceError` that names the feature."""
@@ -146,9 +145,6 @@ class VivaDevice(Device):
         state = self._camera.control_state.value
         return {"Held": "control", "Monitor": "monitor"}.get(state, "lost")
 
-    def names(self):
-        return list(self._kinds)
-
     def info(self, name):
         kind = self._kind(name)
         state = self._call(name, lambda: self._camera.feature_state(name))
@@ -161,11 +157,6 @@ class VivaDevice(Device):
                            state.access in ("RW", "WO") and self.access == "control", low, high,
                            step, state.unit or "", tuple(state.enum_entries or ()),
                            node.description or "", self._categories[name])
-
-    def _kind(self, name):
-        if name not in self._kinds:
-            raise DeviceError(f"{self.url} has no feature {name!r}")
-        return self._kinds[name]
 
     def get(self, name):
         self._kind(name)
@@ -197,18 +188,10 @@ class VivaDevice(Device):
         return VivaStream(self, native, self._viva)
 
     def read_memory(self, address, count):
-        """``count`` bytes of the device's memory, a multiple of 4."""
         return self._call("memory", lambda: self._camera.read_register(address, count))
 
     def write_memory(self, address, data):
-        """Write ``data``, whole words, to the device's memory."""
         self._call("memory", lambda: self._camera.write_register(address, data))
-
-    def load_lens(self, descriptor):
-        LensLoader(self).load(descriptor)
-
-    def lens_limits(self):
-        return LensLoader(self).limits()
 
     def close(self):
         self._camera.close()
