@@ -39,8 +39,8 @@ _I2C_QUARTER_MIN = 8      # clocks
 _USERS = 8                  # of Table I at a time
 _SENSOR_LAST = 0xFF         # address of the sensor's last register
 SOURCES = ("start.S", "main.c", "net.c", "table.c", "gvcp.c", "gvcp_control.c", "gvcp_read.c",
-            "gvcp_write.c", "auto.c", "stream.c", "frames.c", "mraw.c", "words.c", "sensor.c",
-            "interrupt.c", "phy.c", "mdio.c", "ip.c", "eth.c", "uart.c", "memory.c")
+           "gvcp_write.c", "auto.c", "stream.c", "frames.c", "mraw.c", "words.c", "sensor.c",
+           "interrupt.c", "phy.c", "mdio.c", "ip.c", "eth.c", "uart.c", "memory.c")
 # Of these what answers GVCP has no part that takes long.
 _SLOW = ("main.c", "gvcp_write.c", "auto.c", "words.c", "phy.c", "mdio.c", "uart.c")
 _OPTIONS = ("-march=rv32im", "-mabi=ilp32", "-ffunction-sections", "-fdata-sections",
