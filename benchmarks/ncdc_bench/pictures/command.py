@@ -1,4 +1,4 @@
-"""``ncdc bench pictures``: quality of the corrected picture, compared with OpenCV's flows."""
+"""``ncdc bench pictures``: quality of the corrected picture, compared with others' flows."""
 
 import tempfile
 from pathlib import Path
@@ -8,8 +8,9 @@ import numpy as np
 from ncdc.cli.common import add_json, write_report
 from ncdc.terminal import Progress, say
 from ncdc_bench.pictures.measure import Subject, fitted, measure
+from ncdc_bench.pictures.peers import PEER_PACKAGE
 from ncdc_bench.pictures.plots import plot_crops
-from ncdc_bench.pictures.sets import set_rows
+from ncdc_bench.pictures.sets import set_rows, synthetic_rows
 from ncdc_model.example import BAYER, example_camera, scene_light
 from ncdc_model.images import read_image
 from ncdc_model.training.pipeline import train_camera
@@ -19,12 +20,15 @@ from ncdc_spec.files import check_outputs
 
 __all__ = ["EXAMPLE", "HELP", "add_arguments", "run", "table"]
 
-HELP = ("correct pictures by the map of the built-in example with each interpolation, and with "
-        "OpenCV's demosaicing and remapping")
+HELP = ("correct pictures by the map of the built-in example with each interpolation, and by "
+        "the demosaicing of OpenCV and colour-demosaicing with OpenCV's remapping")
 EXAMPLE = "ncdc bench pictures photo.jpg -o plots --json pictures.json"
 
-_SHOWN = ("reference", "fast", "gradient", "directional", "opencv bilinear, bilinear",
-          "opencv edge-aware, bilinear", "opencv vng, bilinear")
+# Flows that demosaic alike, or remap bicubically, are left out.
+_SHOWN = ("reference", "fast", "gradient", "directional", "directional+crest",
+          "opencv bilinear, bilinear", "opencv edge-aware, bilinear", "opencv vng, bilinear",
+          "opencv vng, bicubic", "menon, bilinear")
+_HEADS = "  false colour  at edges  overshoot"
 
 
 def add_arguments(parser):
@@ -36,7 +40,8 @@ def add_arguments(parser):
                         help="hidden neurons of the map (default: 8)")
     parser.add_argument("--set", action="append", default=[], metavar="DIR", dest="sets",
                         help="also a folder of colour pictures, without the map: means over them, "
-                             "with noise and without white balance too; may be given again")
+                             "with noise, without white balance, and of linear light too; may be "
+                             "given again; a set of synthetic pictures is always measured")
     parser.add_argument("-o", "--output", metavar="DIR",
                         help="also write each picture before and after, with an enlarged crop "
                              "of every flow")
@@ -63,10 +68,12 @@ def run(args):
         if args.output:
             name = subject.name.replace(" ", "-")
             plot_crops(Path(args.output) / f"pictures-{name}.jpg", subject.colour,
-                       {flow: pictures[flow] for flow in _SHOWN}, found)
+                       {flow: pictures[flow] for flow in _SHOWN if flow in pictures}, found)
+    done = len(subjects) / (len(subjects) + 1)
+    rows += synthetic_rows(progress=lambda name: progress(done, f" synthetic: {name}"))
     for folder in args.sets:
         rows += set_rows(folder, progress=lambda name, folder=folder: progress(
-            len(subjects) / (len(subjects) + 1), f" {folder}: {name}"))
+            done, f" {folder}: {name}"))
     progress(1)
     if not write_report({"rows": rows}, args.json):
         print(table(rows))
@@ -91,16 +98,23 @@ def _photo(path, size):
 
 def table(rows):
     """Rows as text."""
-    lines = [f"{'picture':<20} {'flow':<30} PSNR, dB  to Lanczos    SSIM  false colour"]
+    lines = [f"{'picture':<20} {'flow':<30} PSNR, dB  to Lanczos    SSIM{_HEADS}"]
     for row in (row for row in rows if "picture" in row):
-        lines.append(f"{row['picture'][:20]:<20} {row['flow']:<30} {row['psnr_db']:8.2f} "
-                     f"{row['psnr_lanczos_db']:11.2f} {row['ssim']:7.4f} "
-                     f"{row['false_colour']:13.2f}")
-    sets = [row for row in rows if "set" in row]
-    if sets:
-        lines.append(f"\n{'set':<20} {'flow':<20} noise  gains                  PSNR, dB")
-    for row in sets:
-        gains = "/".join(f"{gain:g}" for gain in row["gains"]) + " first" * row["balanced_first"]
+        lines.append(f"{row['picture'][:20]:<20} {row['flow']:<30} " + _figures(
+            row, lambda row: f"{row['psnr_db']:8.2f} {row['psnr_lanczos_db']:11.2f} "
+                             f"{row['ssim']:7.4f}"))
+    lines.append(f"\n{'set':<20} {'flow':<20} noise  gains, light         PSNR, dB{_HEADS}")
+    for row in (row for row in rows if "set" in row):
+        gains = ("/".join(f"{gain:g}" for gain in row["gains"]) + " first" * row["balanced_first"]
+                 + " linear" * row["linear"])
         lines.append(f"{row['set'][:20]:<20} {row['flow']:<20} {row['noise']:5g}  {gains:<20} "
-                     f"{row['psnr_db']:10.2f}")
+                     + _figures(row, lambda row: f"{row['psnr_db']:10.2f}"))
     return "\n".join(lines)
+
+
+def _figures(row, own):
+    """A row's figures, the first ones by the function ``own``."""
+    if row["psnr_db"] is None:
+        return f"not installed: {PEER_PACKAGE}"
+    return own(row) + (f" {row['false_colour']:13.2f} {row['edge_colour']:9.2f} "
+                       f"{row['overshoot']:10.3f}")

@@ -1,24 +1,24 @@
-"""Quality of a corrected picture: the hardware's interpolations and OpenCV's flows."""
+"""Quality of a corrected picture: the hardware's interpolations, and others' flows."""
 
 from dataclasses import dataclass, replace
 
 import cv2
 import numpy as np
 
+from ncdc_bench.pictures.metrics import FIGURES, Reference, neighbours, ssim
+from ncdc_bench.pictures.peers import PEERS, decoded
 from ncdc_model.golden.corrector import correct
-from ncdc_model.images import demosaic, mosaic
+from ncdc_model.images import mosaic
 from ncdc_model.reference import psnr
 from ncdc_spec.interpolation import CRESTS, DIRECTIONAL, INTERPOLATIONS
 
 __all__ = ["FLOWS", "Subject", "fitted", "measure"]
 
 _RIM = 3            # samples at the raw frame's border that are not compared
-# How OpenCV demosaics a frame and how it remaps the result.
-_DEMOSAICING = "bilinear", "edge-aware", "vng"
+# How OpenCV remaps a frame that a peer has demosaiced.
 _REMAPPING = {"bilinear": cv2.INTER_LINEAR, "bicubic": cv2.INTER_CUBIC}
-_OPENCV = {f"opencv {name}, {way}": (name, way) for name in _DEMOSAICING for way in _REMAPPING}
 _CREST = f"{DIRECTIONAL.name}+crest"
-FLOWS = (*INTERPOLATIONS, _CREST, *_OPENCV)
+FLOWS = (*INTERPOLATIONS, _CREST, *(f"{peer}, {way}" for peer in PEERS for way in _REMAPPING))
 
 
 @dataclass(frozen=True)
@@ -58,7 +58,8 @@ def measure(descriptor, subject):
     list of dict
         ``picture``, ``flow``. ``psnr_db``, ``psnr_lanczos_db``: peak signal-to-noise ratio to
         either reference. ``ssim``: structural similarity to the first one, mean of the colours.
-        ``false_colour``: root mean square of the errors of R - G and B - G, in grey levels.
+        The other figures are those of :meth:`.metrics.Reference.figures`, of the first reference.
+        All are None if the flow is not installed.
     dict
         Pictures (corrected height, width, 3) uint8 by flow, and ``reference``.
     """
@@ -79,39 +80,23 @@ def measure(descriptor, subject):
 
     made = {name: corrected(each) for name, each in INTERPOLATIONS.items()}
     made[_CREST] = corrected(DIRECTIONAL, crest=CRESTS["mild"])
-    made |= {flow: remap(demosaic(raw, geometry.bayer, name), _REMAPPING[way])
-             for flow, (name, way) in _OPENCV.items()}
-    reference = remap(subject.colour, cv2.INTER_LINEAR)
+    for peer in PEERS:
+        colours = decoded(peer, raw, geometry.bayer)
+        made |= {f"{peer}, {way}": None if colours is None else remap(colours, kernel)
+                 for way, kernel in _REMAPPING.items()}
+    low, high = (remap(each, cv2.INTER_NEAREST) for each in neighbours(subject.colour))
+    reference = Reference(remap(subject.colour, cv2.INTER_LINEAR), low, high, mask)
     lanczos = remap(subject.colour, cv2.INTER_LANCZOS4)
-    rows = [{"picture": subject.name, "flow": flow, "psnr_db": psnr(picture, reference, mask),
-             "psnr_lanczos_db": psnr(picture, lanczos, mask),
-             "ssim": _ssim(picture, reference, mask),
-             "false_colour": _false_colour(picture, reference, mask)}
+
+    def row(picture):
+        if picture is None:
+            return dict.fromkeys((*FIGURES, "psnr_lanczos_db", "ssim"))
+        return reference.figures(picture) | {
+            "psnr_lanczos_db": psnr(picture, lanczos, mask),
+            "ssim": ssim(picture, reference.colour, mask)}
+
+    rows = [{"picture": subject.name, "flow": flow} | row(picture)
             for flow, picture in made.items()]
-    shown = {flow: np.floor(picture.astype(np.float32) + .5).astype(np.uint8)
-             for flow, picture in {"reference": reference, **made}.items()}
-    return rows, shown
-
-
-def _ssim(picture, reference, mask):
-    """Structural similarity (Wang et al., 2004), Gaussian of 11 x 11 pixels and sigma 1.5."""
-    a, b = picture.astype(np.float64), reference.astype(np.float64)
-
-    def mean(image):
-        return cv2.GaussianBlur(image, (11, 11), 1.5)
-
-    mean_a, mean_b = mean(a), mean(b)
-    variance_a, variance_b = mean(a * a) - mean_a**2, mean(b * b) - mean_b**2
-    covariance = mean(a * b) - mean_a * mean_b
-    c1, c2 = (.01 * 255)**2, (.03 * 255)**2
-    similarity = ((2 * mean_a * mean_b + c1) * (2 * covariance + c2)
-                  / ((mean_a**2 + mean_b**2 + c1) * (variance_a + variance_b + c2)))
-    # Where all of the Gaussian's window has a source.
-    whole = cv2.erode(mask.astype(np.uint8), np.ones((11, 11)), borderValue=0) > 0
-    return float(similarity[whole].mean())
-
-
-def _false_colour(picture, reference, mask):
-    """Root mean square of the errors of R - G and B - G."""
-    error = picture[mask].astype(np.float64) - reference[mask]
-    return float(np.sqrt(np.mean((error[:, ::2] - error[:, 1:2])**2)))
+    return rows, {flow: np.floor(picture.astype(np.float32) + .5).astype(np.uint8)
+                  for flow, picture in {"reference": reference.colour, **made}.items()
+                  if picture is not None}

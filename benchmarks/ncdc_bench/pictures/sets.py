@@ -1,46 +1,26 @@
 """Colours at the samples themselves, without any map: means over sets of full-colour pictures."""
 
-from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
+from ncdc_bench.pictures.conditions import CONDITIONS
+from ncdc_bench.pictures.metrics import FIGURES, Reference, neighbours
+from ncdc_bench.pictures.peers import PEERS, decoded
+from ncdc_bench.pictures.synthetic import SYNTHETIC, synthetic_picture
 from ncdc_model.golden.picture import bilinear, corner_colours, raw_windows
-from ncdc_model.images import demosaic, mosaic, read_image
+from ncdc_model.images import read_image
 from ncdc_spec.errors import InputError
 from ncdc_spec.geometry import MAX_SIZE, Geometry
 from ncdc_spec.interpolation import FAST, INTERPOLATIONS
 
-__all__ = ["CONDITIONS", "Condition", "on_grid", "pictures_of", "set_rows"]
+__all__ = ["on_grid", "pictures_of", "set_rows", "synthetic_rows"]
 
 _BAYER = "RGGB"
 _BORDER = 8             # samples left out on every side
 _F_BITS = 10
 _ROWS = 64              # of windows at a time: bounds the memory
 _SUFFIXES = {".png", ".tif", ".tiff", ".bmp", ".jpg", ".jpeg"}
-
-
-@dataclass(frozen=True)
-class Condition:
-    """How a sensor sees a picture.
-
-    Parameters
-    ----------
-    noise : float
-        Standard deviation of normal noise, in grey levels.
-    gains : tuple of float
-        Sensitivity for red, green and blue; the colours are divided by it after decoding.
-    balanced_first : bool
-        Whether the samples are divided by it instead, before decoding.
-    """
-    noise: float = 0.0
-    gains: tuple = (1.0, 1.0, 1.0)
-    balanced_first: bool = False
-
-
-_UNBALANCED = (0.5, 1.0, 0.6)
-CONDITIONS = (Condition(), *(Condition(noise=sigma) for sigma in (2.0, 5.0, 10.0)),
-              Condition(gains=_UNBALANCED), Condition(gains=_UNBALANCED, balanced_first=True))
 
 
 def pictures_of(folder):
@@ -74,23 +54,51 @@ def on_grid(raw, interpolation):
 
 
 def _flows():
-    """A function of the raw frame for each flow that has its colours at the samples."""
+    """A function of the raw frame for each flow that has its colours at the samples.
+
+    Crests are 0 there: ``directional+crest`` would be ``directional``.
+    """
     ours = {name: lambda raw, each=each: on_grid(raw, each)
             for name, each in INTERPOLATIONS.items() if each != FAST}
-    return ours | {f"opencv {name}": lambda raw, name=name: demosaic(raw, _BAYER, name)
-                   for name in ("bilinear", "edge-aware", "vng")}
+    return ours | {peer: lambda raw, peer=peer: decoded(peer, raw, _BAYER) for peer in PEERS}
 
 
-def _seen(colour, condition, rng):
-    """The raw frame of a ``colour`` picture, and by what its colours are to be divided."""
-    gains = np.array(condition.gains)
-    samples = mosaic(colour * gains, _BAYER) + condition.noise * rng.standard_normal(
-        colour.shape[:2])
-    raw = np.clip(np.floor(samples + .5), 0, 255)
-    if condition.balanced_first:
-        balance = mosaic(np.broadcast_to(gains, colour.shape), _BAYER)
-        raw, gains = np.clip(np.floor(raw / balance + .5), 0, 255), np.ones(3)
-    return raw.astype(np.uint8), gains
+def _figures(colour, condition, flows):
+    """Figures of one ``colour`` picture in a condition by flow; empty where one is missing."""
+    # The last row and column are no first corner of a window.
+    inner = tuple(slice(_BORDER, size - 1 - _BORDER) for size in colour.shape[:2])
+    truth = condition.truth(colour)[inner]
+    reference = Reference(truth, *neighbours(truth), np.ones(truth.shape[:2], bool))
+    raw = condition.raw(colour, _BAYER, np.random.default_rng(1))
+    made = {flow: decode(raw) for flow, decode in flows.items()}
+    return {flow: {} if each is None else reference.figures(condition.shown(each[inner]))
+            for flow, each in made.items()}
+
+
+def _rows(name, pictures, conditions):
+    """Rows of a set: for each condition, each flow's mean over ``pictures``, an iterable."""
+    flows = _flows()
+    found = [[_figures(colour, condition, flows) for condition in conditions]
+             for colour in pictures]
+    return [{"set": name, "pictures": len(found), "flow": flow, "noise": condition.noise,
+             "gains": list(condition.gains), "balanced_first": condition.balanced_first,
+             "linear": condition.linear, **_mean([figures[k][flow] for figures in found])}
+            for k, condition in enumerate(conditions) for flow in flows]
+
+
+def _mean(figures):
+    """Mean of each figure, None where there is none."""
+    return {name: float(np.mean([each[name] for each in figures])) if figures[0] else None
+            for name in FIGURES}
+
+
+def synthetic_rows(conditions=CONDITIONS, progress=lambda name: None):
+    """Rows of the set ``synthetic``, as of :func:`set_rows`."""
+    def pictures():
+        for name in SYNTHETIC:
+            progress(name)
+            yield synthetic_picture(name)
+    return _rows("synthetic", pictures(), conditions)
 
 
 def set_rows(folder, conditions=CONDITIONS, progress=lambda name: None):
@@ -100,31 +108,20 @@ def set_rows(folder, conditions=CONDITIONS, progress=lambda name: None):
     -------
     list of dict
         ``set``, the folder's name; ``pictures``, how many; ``flow``; ``noise``, ``gains``,
-        ``balanced_first`` of the condition; ``psnr_db``: mean of the peak signal-to-noise ratios
-        over all three colours.
+        ``balanced_first``, ``linear`` of the condition; means of the figures of
+        :meth:`.metrics.Reference.figures`, None if the flow is not installed.
 
     Raises
     ------
     InputError
         If there is no picture, or one has no colour or is too large.
     """
-    paths, flows = pictures_of(folder), _flows()
-    found = {(condition, flow): [] for condition in conditions for flow in flows}
-    inner = (slice(_BORDER, -_BORDER),) * 2
-    for path in paths:
-        progress(path.name)
-        colour = read_image(path)
-        if colour.ndim != 3 or max(colour.shape[:2]) > MAX_SIZE:
-            raise InputError(f"{path} has the shape {colour.shape}, a colour picture of at most "
-                             f"{MAX_SIZE} pixels on a side is needed")
-        for condition in conditions:
-            raw, gains = _seen(colour, condition, np.random.default_rng(1))
-            for flow, decode in flows.items():
-                decoded = decode(raw) / gains
-                error = (decoded[:raw.shape[0] - 1, :raw.shape[1] - 1].clip(0, 255)
-                         - colour[:-1, :-1])[inner]
-                found[condition, flow].append(10 * np.log10(255**2 / np.mean(error**2)))
-    return [{"set": Path(folder).name, "pictures": len(paths), "flow": flow,
-             "noise": condition.noise, "gains": list(condition.gains),
-             "balanced_first": condition.balanced_first, "psnr_db": float(np.mean(values))}
-            for (condition, flow), values in found.items()]
+    def pictures():
+        for path in pictures_of(folder):
+            progress(path.name)
+            colour = read_image(path)
+            if colour.ndim != 3 or max(colour.shape[:2]) > MAX_SIZE:
+                raise InputError(f"{path} has the shape {colour.shape}, a colour picture of at "
+                                 f"most {MAX_SIZE} pixels on a side is needed")
+            yield colour
+    return _rows(Path(folder).name, pictures(), conditions)
