@@ -13,7 +13,7 @@ from ncdc_spec.interpolation import DIRECTIONAL, FAST, INTERPOLATIONS
 __all__ = ["bayer_psnr", "correct_real", "grey_level_difference", "psnr"]
 
 
-def correct_real(descriptor, raw, offset=None, at=None):
+def correct_real(descriptor, raw, offset=None, at=None, crest=0):
     """Corrected frame (height, width, 3) in real numbers: float network, float interpolation.
 
     The Bayer interpolation is that of the hardware, without rounding. Sources up to one pixel
@@ -22,7 +22,7 @@ def correct_real(descriptor, raw, offset=None, at=None):
     ``offset``: by default that of the interpolation (half a pixel between a quad's centre and its
     first sample); another value shows the error without it. ``at``: (x', y') of every corrected
     pixel, by default the float network's. The directional interpolation decides anew from sample
-    to sample, so that it shows a difference of coordinates there.
+    to sample, so that it shows a difference of coordinates there. ``crest``: its strength, 0 to 2.
     """
     geometry = descriptor.geometry
     interpolation = geometry.interpolation
@@ -50,6 +50,8 @@ def correct_real(descriptor, raw, offset=None, at=None):
         planes = (_grey if geometry.mono else _quads if interpolation == FAST
                   else _gradient_corrected)
         result = picture(planes(samples, geometry.phase))
+    if crest:
+        result += crest * _crest(samples, *source)[..., None]
     result = result.clip(0, 255)
     result[blank] = np.nan
     return result
@@ -171,6 +173,26 @@ def _directional(raw, phase, s):
     wide = mean((-1, -2), (-1, 2), (1, -2), (1, 2))
     return _planes(raw, phase, at_green(left_right, far_row, tall, s),
                    at_green(above_below, far_column, wide, -s), green, chroma)
+
+
+def _crest(raw, x, y):
+    """What a crest of strength 1 adds to the colours at real (x, y), in grey levels.
+
+    It is the second difference of the samples around, along the row and along the column, with a
+    weight that rises in steps from 0 at a sample to the middle between two.
+    """
+    framed = np.pad(raw, 1, mode="reflect")
+    weights = np.array([0, 1, 2, 2, 3, 3, 4, 4]) / 256
+
+    def along(framed, x, y):
+        x0 = np.minimum(x.astype(np.int64), framed.shape[1] - 4)
+        y0 = np.minimum(y.astype(np.int64), framed.shape[0] - 4)
+        bend = framed[:, 1:-2] + framed[:, 2:-1] - framed[:, :-3] - framed[:, 3:]
+        f = x - x0
+        step = np.minimum(np.floor(16 * f), np.ceil(16 * (1 - f)) - 1).astype(np.int64)
+        return weights[step.clip(0)] * (bend[y0 + 1, x0] + bend[y0 + 2, x0])
+
+    return along(framed, x, y) + along(framed.T, y, x)
 
 
 def _gradient_corrected(raw, phase):

@@ -50,6 +50,19 @@ def test_integers_are_the_floating_point_picture_rounded(needs, bayer):
     assert result.blank.any() and not result.blank.all()
 
 
+@pytest.mark.parametrize("crest", [1, 2])
+@pytest.mark.parametrize("bayer", BAYERS)
+def test_integers_with_crests_are_the_floating_point_picture_rounded(bayer, crest):
+    d = gradient_descriptor(DIRECTIONAL, bayer=bayer)
+    raw = np.random.default_rng(1).integers(0, 256, (48, 64), np.uint8)
+    v, u = np.indices(d.geometry.corrected[::-1])
+    at = [d.formats.coordinate.real(value) for value in coordinates(d, u, v)]
+    made = correct(d, raw, crest=crest).picture
+    assert grey_level_difference(made, correct_real(d, raw, at=at, crest=crest)) <= 1
+    for other in {0, 1, 2} - {crest}:
+        assert grey_level_difference(made, correct_real(d, raw, at=at, crest=other)) > 8
+
+
 @both
 @pytest.mark.parametrize("bayer", BAYER_PHASE)
 def test_a_flat_colour_stays_that_colour_up_to_every_edge(needs, bayer):
