@@ -156,12 +156,15 @@ def test_a_set_has_a_mean_for_each_flow_and_condition(tmp_path):
     assert found[balanced, "directional"] > found[unbalanced, "directional"]
 
 
-def test_colours_at_the_samples_are_those_of_a_corrector_that_moves_nothing():
-    raw = np.random.default_rng(1).integers(0, 256, (12, 14), np.uint8)
-    picture = on_grid(raw, DIRECTIONAL)
-    assert picture.shape == (11, 13, 3)
-    for row, column, colour in ((4, 4, 0), (4, 5, 1), (5, 5, 2)):       # RGGB
-        assert picture[row, column, colour] == raw[row, column]
+@pytest.mark.parametrize("needs", [GRADIENT, DIRECTIONAL], ids=lambda each: each.name)
+@pytest.mark.parametrize("shape", [(12, 14), (135, 131)])
+def test_colours_at_the_samples_are_those_of_a_corrector_that_moves_nothing(needs, shape):
+    raw = np.random.default_rng(1).integers(0, 256, shape, np.uint8)
+    picture = on_grid(raw, needs)
+    assert picture.shape == (shape[0] - 1, shape[1] - 1, 3)
+    for row, column, colour in ((0, 0, 0), (0, 1, 1), (1, 0, 1), (1, 1, 2)):        # RGGB
+        np.testing.assert_array_equal(picture[row::2, column::2, colour],
+                                      raw[row:-1:2, column:-1:2])
 
 
 @pytest.mark.parametrize("shape,message", [

@@ -13,6 +13,7 @@ from ncdc_spec.errors import InputError
 from ncdc_spec.frames import frame_bytes, raw_image, stored_picture
 from ncdc_spec.geometry import scan_order
 from ncdc_spec.hardware import Hardware
+from ncdc_spec.interpolation import CRESTS, DIRECTIONAL, FAST
 from ncdc_spec.registers.host_values import host_values
 from ncdc_spec.registers.register_map import (
     CTRL_ABORT,
@@ -24,14 +25,23 @@ from ncdc_spec.registers.register_map import (
 )
 
 FILL = (200, 100, 50)
-# Fetcher, data width, hidden neurons: each is compiled once for all tests.
-BUILDS = [("cache", 64, "raster"), ("multiport", 128, "multiply")]
-EACH_BUILD = pytest.mark.parametrize("fetcher,data_width,hidden", BUILDS)
+# Fetcher, data width, hidden neurons, interpolation: each is compiled once for all tests.
+BUILDS = [("cache", 64, "raster", FAST), ("multiport", 128, "multiply", FAST),
+          ("cache", 64, "raster", DIRECTIONAL)]
 
 
-def camera(width=77):
+def each_build(short):
+    """Parametrises a test by all builds, of which the first ``short`` ones take little time."""
+    return pytest.mark.parametrize("fetcher,data_width,hidden,needs", [
+        *BUILDS[:short],
+        *(pytest.param(*each, marks=pytest.mark.longer) for each in BUILDS[short:])],
+        ids=lambda each: getattr(each, "name", None))
+
+
+def camera(width=77, needs=FAST):
     """A corrected width that is a multiple neither of a strip nor of a memory word."""
-    return barrel_descriptor((width, 29), (85, 33), hidden_neurons=2, bayer="GBRG", fill=FILL)
+    return barrel_descriptor((width, 29), (85, 33), hidden_neurons=2, bayer="GBRG", fill=FILL,
+                             interpolation=needs)
 
 
 def noise(d, seed=1):
@@ -43,10 +53,10 @@ def build(d, fetcher, data_width, hidden):
 
 
 @pytest.mark.longer
-@EACH_BUILD
+@each_build(short=2)
 @pytest.mark.parametrize("strip,memory", [(32, "hostile"), (64, "sdram"), (96, "hostile")])
-def test_strips_equal_golden(fetcher, data_width, hidden, strip, memory):
-    d = camera()
+def test_strips_equal_golden(fetcher, data_width, hidden, needs, strip, memory):
+    d = camera(needs=needs)
     hardware = Hardware(data_width=data_width, fetcher=fetcher, hidden=hidden, strip=strip)
     result = simulate_correction(d, noise(d), hardware, memory=memory,
                                  verilog=build(d, fetcher, data_width, hidden))
@@ -59,7 +69,10 @@ def test_strips_equal_golden(fetcher, data_width, hidden, strip, memory):
 
 
 class Frames:
-    """Frames of ``d`` to buffers of their own, one after the other, in a program for the bench."""
+    """Frames of ``d`` to buffers of their own, one after the other, in a program for the bench.
+
+    If the interpolation has a crest, all frames have a mild one.
+    """
 
     def __init__(self, d, data_width):
         self.d, self.data_width = d, data_width
@@ -69,12 +82,20 @@ class Frames:
         self.base = self.values["TARGET_BASE"]
         self.size = -(-frame_bytes(d.geometry) // 4096) * 4096
         self.count = 0
+        self.crest = CRESTS["mild"] * (d.geometry.interpolation == DIRECTIONAL)
+
+    @property
+    def golden(self):
+        """The picture of the golden model."""
+        return correct(self.d, self.raw, crest=self.crest).picture
 
     def start(self, strip=0, control=CTRL_COMMIT | CTRL_START, **values):
         """Write what differs from the values after configuration, commit, start."""
         target = self.base + self.count * self.size
         changed = {"STRIP_WIDTH": strip, "TARGET_BASE": target, "TARGET_LIMIT": target + self.size,
                    "CORRECTED_WIDTH": self.values["CORRECTED_WIDTH"]} | values
+        if self.crest:
+            changed["CREST"] = self.crest
         for name, value in changed.items():
             self.program.write(self.rows[name], value)
         self.program.write(self.rows["IRQ_ENABLE"], 1).write(self.rows["CTRL"], control)
@@ -118,12 +139,11 @@ def check_begun(pixels, golden, strip, written=None):
         assert (right | (pixels == 0xA5).all(axis=1)).all()
 
 
-@pytest.mark.parametrize("fetcher,data_width,hidden", [
-    BUILDS[0], pytest.param(*BUILDS[1], marks=pytest.mark.longer)])
+@each_build(short=1)
 @pytest.mark.parametrize("seed", [1, pytest.param(2, marks=pytest.mark.regress)])
-def test_abort_at_any_moment(fetcher, data_width, hidden, seed):
+def test_abort_at_any_moment(fetcher, data_width, hidden, needs, seed):
     """Each aborted frame is followed by a whole one; all of them with random strips."""
-    d, rng = camera(), np.random.default_rng(seed)
+    d, rng = camera(needs=needs), np.random.default_rng(seed)
     frames, kinds = Frames(d, data_width), []
     for moment in (0, 1, *rng.integers(2, 4000, 12)):
         kinds.append(int(rng.choice([0, 32, 64])))
@@ -135,7 +155,7 @@ def test_abort_at_any_moment(fetcher, data_width, hidden, seed):
         frames.end()
     pixels, aborted, counts = frames.run(build(d, fetcher, data_width, hidden), memory="hostile",
                                          seed=seed)
-    golden = correct(d, frames.raw).picture
+    golden = frames.golden
     for k, (strip, frame) in enumerate(zip(kinds, pixels)):
         if aborted[k]:
             check_begun(frame, golden, strip, counts[k])
@@ -145,10 +165,10 @@ def test_abort_at_any_moment(fetcher, data_width, hidden, seed):
     assert len(set(counts[::2])) > 8, "the aborts came at the same moment"
 
 
-@EACH_BUILD
-def test_abort_and_start_together_and_frames_without_a_pixel(fetcher, data_width, hidden):
+@each_build(short=2)
+def test_abort_and_start_together_and_frames_without_a_pixel(fetcher, data_width, hidden, needs):
     """A frame aborted by the start of the next, then one of no width, then a whole one."""
-    d = camera()
+    d = camera(needs=needs)
     frames = Frames(d, data_width)
     frames.start()
     frames.program.wait(600)
@@ -162,7 +182,7 @@ def test_abort_and_start_together_and_frames_without_a_pixel(fetcher, data_width
     frames.start(64)
     frames.end()
     pixels, aborted, counts = frames.run(build(d, fetcher, data_width, hidden), memory="sdram")
-    golden = correct(d, frames.raw).picture
+    golden = frames.golden
     assert aborted == [True, False, True, False]
     check_begun(pixels[0], golden, 0, counts[0])
     check_whole(pixels[1], golden)
@@ -170,12 +190,11 @@ def test_abort_and_start_together_and_frames_without_a_pixel(fetcher, data_width
     check_whole(pixels[3], golden)
 
 
-@pytest.mark.parametrize("fetcher,data_width,hidden", [
-    BUILDS[0], pytest.param(*BUILDS[1], marks=pytest.mark.longer)])
+@each_build(short=1)
 @pytest.mark.parametrize("seed", [1, pytest.param(2, marks=pytest.mark.regress)])
-def test_reset_at_any_moment(fetcher, data_width, hidden, seed):
+def test_reset_at_any_moment(fetcher, data_width, hidden, needs, seed):
     """The memory is not reset: it gets whole bursts, and no old word is taken for a new one."""
-    d, rng = camera(), np.random.default_rng(seed)
+    d, rng = camera(needs=needs), np.random.default_rng(seed)
     frames, kinds = Frames(d, data_width), []
     for moment in rng.integers(2, 4000, 12):
         kinds.append(int(rng.choice([0, 32, 64])))
@@ -186,7 +205,7 @@ def test_reset_at_any_moment(fetcher, data_width, hidden, seed):
         frames.end()
     pixels, aborted, _ = frames.run(build(d, fetcher, data_width, hidden), memory="hostile",
                                     seed=seed)
-    golden = correct(d, frames.raw).picture
+    golden = frames.golden
     for strip, frame in zip(kinds[::2], pixels[::2]):
         check_begun(frame, golden, strip)
     for frame in pixels[1::2]:

@@ -12,7 +12,7 @@ from ncdc_model.golden.picture import bilinear, corner_colours, raw_windows
 from ncdc_model.images import read_image
 from ncdc_spec.errors import InputError
 from ncdc_spec.geometry import MAX_SIZE, Geometry
-from ncdc_spec.interpolation import FAST, INTERPOLATIONS
+from ncdc_spec.interpolation import DIRECTIONAL, FAST, INTERPOLATIONS
 
 __all__ = ["on_grid", "pictures_of", "set_rows", "synthetic_rows"]
 
@@ -45,11 +45,17 @@ def on_grid(raw, interpolation):
     geometry = Geometry(8, 8, width, height, bayer=_BAYER, interpolation=interpolation)
     windows = raw_windows(raw, interpolation)
     picture = np.empty((*windows.shape[:2], 3), np.uint8)
+    # All four corners of a window are used, unless they depend on the window's direction.
+    step = 1 if interpolation == DIRECTIONAL else 2
     for top in range(0, len(windows), _ROWS):
-        part = windows[top:top + _ROWS]
-        y0, x0 = np.indices(part.shape[:2])
+        band, part = picture[top:top + _ROWS], windows[top:top + _ROWS:step, ::step]
+        y0, x0 = step * np.indices(part.shape[:2])
         corners = corner_colours(part, x0, y0 + top, geometry)
-        picture[top:top + _ROWS] = bilinear(corners, 0, 0, _F_BITS, interpolation)
+        for j, i in np.ndindex(step, step):
+            chosen = band[j::step, i::step]
+            rows, columns = chosen.shape[:2]
+            chosen[:] = bilinear(corners[..., :rows, :columns], i << _F_BITS, j << _F_BITS, _F_BITS,
+                                 interpolation)
     return picture
 
 
