@@ -196,7 +196,7 @@ def test_reset_at_any_moment(fetcher, data_width, hidden, needs, seed):
     """The memory is not reset: it gets whole bursts, and no old word is taken for a new one."""
     d, rng = camera(needs=needs), np.random.default_rng(seed)
     frames, kinds = Frames(d, data_width), []
-    for moment in rng.integers(2, 4000, 12):
+    for moment in rng.integers(2, 3000, 12):
         kinds.append(int(rng.choice([0, 32, 64])))
         frames.start(kinds[-1])
         frames.program.wait(int(moment)).reset(int(rng.integers(1, 4)))
