@@ -1,0 +1,139 @@
+"""Packets: headers, and the payloads of the rows."""
+
+from amaranth import *
+from amaranth.lib import wiring
+from amaranth.lib.wiring import In, Out
+from amaranth.utils import exact_log2
+
+from ncdc_hdl.camera.csi2.checksum import Checksum
+from ncdc_hdl.camera.csi2.header import HeaderDecoder
+from ncdc_hdl.camera.csi2.layouts import FAULTS, SETTINGS, payload, rest_shape, words
+from ncdc_hdl.lib.pipeline import delay, register
+from ncdc_spec.sensors.csi2 import DataType
+
+__all__ = ["Packets"]
+
+_HEADER_BYTES = 4
+_CHECKSUM_BYTES = 2
+
+
+class Packets(wiring.Component):
+    """Takes bursts apart: one packet each, whatever follows it is ignored.
+
+    Packets of other virtual channels or data types are ignored; so is the checksum of their
+    payload.
+
+    Timing: free-running; a row's words leave ``latency`` clocks after they came, and so do the
+    events of a short packet after its last byte.
+
+    Parameters
+    ----------
+    lanes : int
+
+    Members
+    -------
+    settings : ``In(SETTINGS)``
+    i : ``In(words(lanes))``
+    open : ``In(1)``
+        A frame is under way. Rows are dropped otherwise.
+    begins, ends : ``Out(1)``
+        Start and end of a frame.
+    o : ``Out(payload(lanes))``
+        Rows.
+    faults : ``Out(FAULTS)``
+        Those of packets; ``order`` is that of rows, ``length`` that of empty ones.
+    """
+
+    latency = HeaderDecoder.latency
+
+    def __init__(self, lanes):
+        self.lanes = lanes
+        super().__init__({
+            "settings": In(SETTINGS), "i": In(words(lanes)), "open": In(1), "begins": Out(1),
+            "ends": Out(1), "o": Out(payload(lanes)), "faults": Out(FAULTS)})
+
+    def elaborate(self, platform):
+        m = Module()
+        m.submodules.header = header = HeaderDecoder()
+        complete, header_cut = self._gather(m, header)
+        decoded = delay(m, complete, self.latency, "complete", reset_less=False)
+        own = Signal()
+        event = Signal()                # a header that is known, of the own channel
+        row = Signal()                  # that of a row
+        some = Signal()                 # its payload is not empty
+        m.d.comb += [
+            own.eq(header.o.channel == self.settings.channel),
+            event.eq(decoded & ~header.wrong & own),
+            self.begins.eq(event & (header.o.type == DataType.FRAME_START)),
+            self.ends.eq(event & (header.o.type == DataType.FRAME_END)),
+            row.eq(event & (header.o.type == self.settings.type)),
+            some.eq(header.o.count.any()),
+        ]
+        row_cut, wrong = self._payload(m, row & self.open & some, header.o.count)
+        m.d.comb += [
+            self.faults.corrected.eq(decoded & header.corrected),
+            self.faults.header.eq(decoded & header.wrong),
+            self.faults.order.eq(row & ~self.open),
+            self.faults.length.eq(row & self.open & ~some),
+            self.faults.checksum.eq(wrong),
+            self.faults.cut.eq(row_cut | delay(m, header_cut, self.latency, "header_cut",
+                                               reset_less=False))]
+        return m
+
+    def _gather(self, m, header):
+        """Collect the bytes of a header. Returns (it is complete, its burst ended before that)."""
+        count = _HEADER_BYTES // self.lanes         # words of a header
+        before = []
+        for k in range(count - 1):
+            before.insert(0, register(m, f"word_d{k}", before[0] if before else self.i.data))
+        m.d.comb += header.i.eq(Cat(*before, self.i.data))
+        number = Signal(range(count + 1), init=count)       # of the next word, no more than `count`
+        now = Mux(self.i.first, 0, number)
+        partial = (number != 0) & (number != count)
+        with m.If(~self.i.valid):
+            m.d.sync += number.eq(count)
+        with m.Elif(now != count):
+            m.d.sync += number.eq(now + 1)
+        return self.i.valid & (now == count - 1), partial & (~self.i.valid | self.i.first)
+
+    def _payload(self, m, begin, count):
+        """Hand on a row's words. Returns (its burst ended before it, its checksum is wrong)."""
+        lanes = self.lanes
+        data, valid, first = (delay(m, value, self.latency, name, reset_less=name == "data")
+                              for name, value in (("data", self.i.data), ("valid", self.i.valid),
+                                                  ("first", self.i.first)))
+        left = Signal(16 - exact_log2(lanes))       # full words of payload that are to come
+        rest = Signal(rest_shape(lanes))                 # bytes of payload in a word after these
+        inside = Signal()                           # in the payload
+        alone = Signal(range(_CHECKSUM_BYTES + 1))  # words without payload that are to come
+        alone_later = Array(_words_alone(number, lanes) for number in range(lanes))[rest]
+        step, last, complete = Signal(), Signal(), Signal()
+        under_way = inside | alone.any()
+        m.submodules.checksum = checksum = Checksum(lanes)
+        m.d.comb += [
+            step.eq(under_way & valid & ~first),
+            last.eq(inside & (left == (rest == 0))),
+            complete.eq(step & Mux(inside, last & (alone_later == 0), alone == 1)),
+            checksum.start.eq(begin), checksum.valid.eq(step), checksum.data.eq(data),
+            checksum.rest.eq(Mux(complete, rest + _CHECKSUM_BYTES, 0)),
+            self.o.start.eq(begin), self.o.valid.eq(inside & step), self.o.data.eq(data),
+            self.o.last.eq(last), self.o.rest.eq(rest),
+        ]
+        with m.If(begin):
+            m.d.sync += [rest.eq(count & lanes - 1), left.eq(count >> exact_log2(lanes)),
+                         inside.eq(1), alone.eq(0)]
+        with m.Elif(~step):
+            m.d.sync += [inside.eq(0), alone.eq(0)]
+        with m.Elif(inside):
+            m.d.sync += [left.eq(left - 1), inside.eq(~last), alone.eq(Mux(last, alone_later, 0))]
+        with m.Else():
+            m.d.sync += alone.eq(alone - 1)
+        completed = register(m, "completed", complete, reset_less=False)
+        return under_way & ~step, completed & ~checksum.good
+
+
+def _words_alone(rest, lanes):
+    """Words that have bytes of the checksum alone, if ``rest`` bytes of payload are in the last
+    word of the payload, or it is full for 0."""
+    free = (lanes - rest) % lanes
+    return -(-max(0, _CHECKSUM_BYTES - free) // lanes)

@@ -1,0 +1,57 @@
+"""Word alignment of one lane by its sync byte."""
+
+from amaranth import *
+from amaranth.lib import wiring
+from amaranth.lib.wiring import In, Out
+
+from ncdc_hdl.camera.csi2.layouts import BYTES, LANE
+from ncdc_hdl.lib.pipeline import register
+from ncdc_spec.sensors.csi2 import SYNC_BYTE
+
+__all__ = ["WordAligner"]
+
+
+class WordAligner(wiring.Component):
+    """Finds the sync byte at any of eight bit positions, and gives the bytes after it.
+
+    A burst that is under way at the end of a reset is ignored.
+
+    Timing: free-running. The byte whose last bit comes in one clock leaves ``latency`` clocks
+    later, or one clock later still if it is not aligned with the clocks.
+
+    Members
+    -------
+    i : ``In(LANE)``
+    o : ``Out(BYTES)``
+    """
+
+    latency = 2
+
+    def __init__(self):
+        super().__init__({"i": In(LANE), "o": Out(BYTES)})
+
+    def elaborate(self, platform):
+        m = Module()
+        active = self.i.active
+        before = Signal(8)              # bits of the clock before; zero at the start of a burst
+        offset = Signal(3)              # bit position of the first bit of a byte in `bits`
+        locked, armed = Signal(), Signal()
+        bits = Cat(before, self.i.data)
+        # No shift of the sync byte by fewer than eight bits overlaps with it: one match at most.
+        matches = [bits[k:k + 8] == SYNC_BYTE for k in range(8)]
+        with m.If(active):
+            m.d.sync += before.eq(self.i.data)
+            with m.If(armed & ~locked & Cat(matches).any()):
+                m.d.sync += [locked.eq(1), offset.eq(Cat(
+                    Cat(match for k, match in enumerate(matches) if k >> bit & 1).any()
+                    for bit in range(3)))]
+        with m.Else():
+            m.d.sync += [before.eq(0), locked.eq(0), armed.eq(1)]
+        aligned = bits[:15]
+        for bit in (2, 1, 0):
+            width = 7 + (1 << bit)
+            aligned = Mux(offset[bit], aligned[1 << bit:(1 << bit) + width], aligned[:width])
+        m.d.comb += [self.o.data.eq(register(m, "data", aligned)),
+                     self.o.valid.eq(register(m, "valid", locked & active, reset_less=False)),
+                     self.o.active.eq(register(m, "active", active & armed, reset_less=False))]
+        return m

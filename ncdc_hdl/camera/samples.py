@@ -1,0 +1,27 @@
+"""The stream of samples that each kind of camera gives."""
+
+from amaranth.lib import data, wiring
+from amaranth.lib.wiring import Out
+
+from ncdc_spec.sensors.level import SAMPLE_BITS
+
+__all__ = ["samples"]
+
+
+def samples(count):
+    """Signature of a stream of frames with up to ``count`` samples per clock, without ``ready``.
+
+    A source cannot be held up: a consumer counts what it cannot take.
+
+    - ``valid``: one bit per sample. A row begins with sample 0. Only the last clock of a row may
+      have fewer than ``count`` samples, and then has the lower ones.
+    - ``sample``: each of 12 bits; a shorter one is in the upper bits, and the others are zero.
+    - ``first``: high with the first samples of a frame.
+    - ``last``: high with the last samples of a row. A row that the source lost in part may lack it.
+    - ``end``: high for a clock after the last samples of a frame. A frame that began has one
+      before the next frame begins. It comes with no sample.
+    - ``bad``: high with ``end`` if the source found a fault in the frame.
+    """
+    return wiring.Signature({
+        "valid": Out(count), "sample": Out(data.ArrayLayout(SAMPLE_BITS, count)),
+        "first": Out(1), "last": Out(1), "end": Out(1), "bad": Out(1)})
