@@ -82,12 +82,11 @@ class Unpacker(wiring.Component):
             m.d.sync += count.eq(now.count)
         sample = self._samples(m, word, now, self._history(m, step))
         number = Mux(draining, count, now.count)
-        full = ~final | (number == 0)
-        leaves = step & filled[-1] & now.leaves
+        leaving = Mux(step & filled[-1] & now.leaves,
+                      Mux(final & number.any(), number, self.lanes), 0)
         m.d.comb += [
             self.sample.eq(register(m, "sample_", sample)),
-            self.valid.eq(register(m, "valid_", Cat(leaves & (full | (number > k))
-                                                    for k in range(self.lanes)),
+            self.valid.eq(register(m, "valid_", Cat(leaving > k for k in range(self.lanes)),
                                    reset_less=False)),
             self.last.eq(register(m, "last_", final, reset_less=False)),
             self.length.eq(register(m, "length_", ends & ~now.whole, reset_less=False))]

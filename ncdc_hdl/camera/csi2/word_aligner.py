@@ -16,8 +16,7 @@ class WordAligner(wiring.Component):
 
     A burst that is under way at the end of a reset is ignored.
 
-    Timing: free-running. The byte whose last bit comes in one clock leaves ``latency`` clocks
-    later, or one clock later still if it is not aligned with the clocks.
+    Timing: free-running. A byte leaves ``latency`` clocks after its last bit.
 
     Members
     -------
@@ -25,7 +24,7 @@ class WordAligner(wiring.Component):
     o : ``Out(BYTES)``
     """
 
-    latency = 2
+    latency = 1
 
     def __init__(self):
         super().__init__({"i": In(LANE), "o": Out(BYTES)})
@@ -33,21 +32,21 @@ class WordAligner(wiring.Component):
     def elaborate(self, platform):
         m = Module()
         active = self.i.active
-        before = Signal(8)              # bits of the clock before; zero at the start of a burst
+        before = Signal(7)              # the last bits of the clock before; zero before a burst
         offset = Signal(3)              # bit position of the first bit of a byte in `bits`
         locked, armed = Signal(), Signal()
         bits = Cat(before, self.i.data)
         # No shift of the sync byte by fewer than eight bits overlaps with it: one match at most.
         matches = [bits[k:k + 8] == SYNC_BYTE for k in range(8)]
         with m.If(active):
-            m.d.sync += before.eq(self.i.data)
+            m.d.sync += before.eq(self.i.data[1:])
             with m.If(armed & ~locked & Cat(matches).any()):
                 m.d.sync += [locked.eq(1), offset.eq(Cat(
                     Cat(match for k, match in enumerate(matches) if k >> bit & 1).any()
                     for bit in range(3)))]
         with m.Else():
             m.d.sync += [before.eq(0), locked.eq(0), armed.eq(1)]
-        aligned = bits[:15]
+        aligned = bits
         for bit in (2, 1, 0):
             width = 7 + (1 << bit)
             aligned = Mux(offset[bit], aligned[1 << bit:(1 << bit) + width], aligned[:width])

@@ -1,0 +1,59 @@
+// Feeds a CSI-2 receiver, module `csi2` with ports clk, rst, settings, i and o, from a file of
+// 64-bit words: `i`, with the reset in bit 63. Writes the number of each clock in which `o` is not
+// zero, and `o`, both in 64 bits. Arguments: input file, output file, settings.
+
+#include <cstdint>
+#include <cstdio>
+#include <cstdlib>
+#include <memory>
+#include <vector>
+
+#include "Vcsi2.h"
+#include "verilated.h"
+
+namespace {
+
+constexpr std::size_t kBlock = 1 << 16;
+
+[[noreturn]] void fail(const char* what) {
+    std::printf("FAILED %s\n", what);
+    std::exit(1);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+    if (argc != 4) fail("three arguments are needed");
+    std::FILE* const inputs = std::fopen(argv[1], "rb");
+    std::FILE* const outputs = std::fopen(argv[2], "wb");
+    if (!inputs || !outputs) fail("a file cannot be opened");
+
+    const auto context = std::make_unique<VerilatedContext>();
+    const auto receiver = std::make_unique<Vcsi2>(context.get());
+    receiver->settings = std::strtoul(argv[3], nullptr, 10);
+    receiver->clk = 0;
+    receiver->eval();       // the first evaluation sees no edge
+
+    std::uint64_t clock = 0;
+    std::vector<std::uint64_t> in(kBlock), out;
+    while (const std::size_t count = std::fread(in.data(), sizeof in[0], kBlock, inputs)) {
+        out.clear();
+        for (std::size_t k = 0; k < count; k++, clock++) {
+            receiver->i = in[k] & ~(std::uint64_t{1} << 63);
+            receiver->rst = in[k] >> 63;
+            receiver->clk = 1;
+            receiver->eval();
+            if (receiver->o) {
+                out.push_back(clock);
+                out.push_back(receiver->o);
+            }
+            receiver->clk = 0;
+            receiver->eval();
+        }
+        if (std::fwrite(out.data(), sizeof out[0], out.size(), outputs) != out.size())
+            fail("the output file cannot be written");
+    }
+    if (std::fclose(outputs)) fail("the output file cannot be written");
+    receiver->final();
+    return 0;
+}
