@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from ncdc_sim.csi2.lanes import MIN_GAP, Lanes
-from ncdc_sim.csi2.packets import frame_packets, long_packet, pack, short_packet
+from ncdc_sim.csi2.packets import frame_packets, long_packet, short_packet
 from ncdc_sim.csi2.run import receive
 from ncdc_spec.sensors.csi2 import MAX_SKEW, SAMPLE_BITS_OF, DataType
 
