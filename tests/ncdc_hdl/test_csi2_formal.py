@@ -24,6 +24,7 @@ class Trusts(HeaderDecoder):
         return HeaderDecoder._single(low, high & 0)
 
 
+@pytest.mark.longer
 def test_holds(tmp_path):
     assert run(Headers(), tmp_path, mode="prove", depth=4) == (PASS, set())
 

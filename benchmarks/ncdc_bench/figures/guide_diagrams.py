@@ -40,6 +40,25 @@ DRAWINGS = {
             (16.1, 4.6, 6.6, "ncdc simulate:\nevery pixel compared"),
             (11.0, 1.0, 3.0, "tiles"),
             (16.1, 3.0, 1.0, "24 bits"))),
+    "csi2.svg": Drawing(
+        ((0, 2.6, 2.2, 3.0, "PHY\n\ndeserialisers,\nlow-power\ndetection"),
+         (4.2, 2.6, 2.2, 3.0, "WordAligner\n\none per lane\n\nsync byte"),
+         (8.4, 2.6, 2.2, 3.0, "LaneAligner\n\nskew of\n4 bytes"),
+         (12.5, 2.6, 2.6, 3.0, "Packets\n\nHeaderDecoder\n\nChecksum"),
+         (17.0, 2.6, 2.5, 3.0, "Unpacker\n\nRAW8, RAW10,\nRAW12"),
+         (21.5, 0, 1.7, 5.6, "stream of\nsamples"),
+         (12.5, 0, 2.6, 1.2, "Frames"),
+         (4.2, 0, 2.4, 1.2, "FaultCounters")),
+        ((2.2, 4.2, 4.1, "data, active", "8 bits per clock"),
+         (6.4, 8.4, 4.1, "data, valid", "bytes of a burst"),
+         (10.6, 12.5, 4.1, "words", "a byte per lane"),
+         (15.1, 17.0, 4.1, "payload", "words of a row"),
+         (19.5, 21.5, 4.1, "samples", "last of a row"),
+         (15.1, 21.5, .6, "first, end, bad", "of a frame"),
+         (12.5, 6.6, .6, "faults", "a pulse each, into the core's clock")),
+        "all parts but the counters are in the clock of the bytes; with aligned=True the PHY aligns "
+        "the words",
+        (15.5, 4.9), ((13.8, 2.6, 1.2, "begins, ends, faults"),)),
     "guide-platform-designer.png": Drawing(
         ((0, 0, 2.9, 4.6, "your system in\nPlatform Designer\n\nprocessor or\nJTAG host\n\n"
           "memory controller"),

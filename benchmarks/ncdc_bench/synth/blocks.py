@@ -12,6 +12,8 @@ from ncdc_boards.sdram.controller import SdramController
 from ncdc_hdl.backend.cache.cache import Cache
 from ncdc_hdl.backend.colour import Colour
 from ncdc_hdl.backend.interpolator import Interpolator
+from ncdc_hdl.camera.csi2.fault_counters import FaultCounters
+from ncdc_hdl.camera.csi2.receiver import Receiver
 from ncdc_hdl.camera.frame_store import FrameStore
 from ncdc_hdl.camera.i2c import I2cController
 from ncdc_hdl.camera.sensor_port import SensorPort
@@ -28,7 +30,7 @@ from ncdc_spec.hardware import Hardware
 from ncdc_spec.interpolation import DIRECTIONAL, FAST, GRADIENT
 from ncdc_spec.tansig import design_for
 
-__all__ = ["BLOCKS", "ONLY", "component", "traits"]
+__all__ = ["BLOCKS", "ONLY", "SPEEDS", "component", "traits"]
 
 _GEOMETRY = Geometry(1280, 1024, 1280, 1024)
 _SCREEN = Geometry(640, 480, 640, 480)     # what boards show
@@ -138,6 +140,10 @@ BLOCKS = {
                "sensor port": lambda bits: SensorPort(),
                "sensor port, grid of 648": lambda bits: SensorPort(648),
                "sensor port, grid of 1296": lambda bits: SensorPort(1296)},
+    "CSI-2": {"receiver, 1 lane": lambda bits: Receiver(1),
+              "receiver, 2 lanes": lambda bits: Receiver(2),
+              "receiver, 4 lanes": lambda bits: Receiver(4),
+              "fault counters": lambda bits: FaultCounters("sync")},
     "colour": {"gains and tone": lambda bits: Colour()},
     "SDRAM controller": {"16 bits": _sdram(ULX3S_32MB, 32),
                          "32 bits": _sdram(in_parallel(IS42S16320D_7, 2), 32),
@@ -159,3 +165,6 @@ BLOCKS = {
 }
 ONLY = {"DE0-CV, HN 8": "cyclonev", "DE2-115, HN 8": "cycloneiv"}
 """The one target of variants that are made for it."""
+
+SPEEDS = {"CSI-2": 6}
+"""Speed grade of the ECP5 for blocks whose goal is that of the slowest one."""

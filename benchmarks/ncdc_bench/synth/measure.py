@@ -12,6 +12,7 @@ from ncdc.toolchain.ecp5_netlist import (
 )
 from ncdc.toolchain.flows import (
     SCRIPTS,
+    SPEED,
     Registered,
     absorbed,
     cyclone_iv,
@@ -20,7 +21,7 @@ from ncdc.toolchain.flows import (
     plain_netlist,
     tool_versions,
 )
-from ncdc_bench.synth.blocks import ONLY, component, traits
+from ncdc_bench.synth.blocks import ONLY, SPEEDS, component, traits
 from ncdc_hdl.export.verilog import module_verilog
 from ncdc_sim.builds import built, key_of
 
@@ -84,9 +85,10 @@ def block_rows(block, variant, targets=TARGETS, seeds=1, progress=lambda step: N
         part = component(block, variant, bits)
         if target == "ecp5":
             verilog = module_verilog(Registered(part, outputs=True), "block")
-            runs = [_routed(verilog, progress, seed) for seed in range(1, seeds + 1)]
+            speed = SPEEDS.get(block, SPEED)
+            runs = [_routed(verilog, progress, seed, speed) for seed in range(1, seeds + 1)]
             clocks = [run["fmax_mhz"] for run in runs]
-            plain_clocks = [_routed(verilog, progress, seed, plain=True)["fmax_mhz"]
+            plain_clocks = [_routed(verilog, progress, seed, speed, plain=True)["fmax_mhz"]
                             for seed in range(1, seeds + 1) if plain]
             figures = runs[0] | {
                 "fmax_mhz": round(median(clocks), 1), "fmax_seeds_mhz": clocks,
@@ -109,10 +111,10 @@ def _cyclone(target, verilog, progress):
                  lambda: flow(verilog, "block", progress=progress))
 
 
-def _routed(verilog, progress, seed, plain=False):
+def _routed(verilog, progress, seed, speed, plain=False):
     """Figures of the ECP5 flow for one seed of module ``block``, cached."""
     flow = _FLOWS["ecp5"]
-    parts = [verilog, inspect.getsource(flow), str(seed),
+    parts = [verilog, inspect.getsource(flow), str(seed), str(speed),
              *([] if plain else map(inspect.getsource, _ABSORB_PARTS))]
 
     def make_netlist(verilog, top, *, progress):
@@ -120,7 +122,8 @@ def _routed(verilog, progress, seed, plain=False):
                         lambda: plain_netlist(verilog, top, progress=progress))
         return netlist if plain else absorbed(netlist, top)
     return _once("synth-ecp5", parts, lambda: flow(
-        verilog, "block", progress=progress, seeds=(seed,), make_netlist=make_netlist))
+        verilog, "block", progress=progress, seeds=(seed,), speed=speed,
+        make_netlist=make_netlist))
 
 
 def _once(name, parts, make):

@@ -38,7 +38,7 @@ class Receiver(wiring.Component):
 
     Members
     -------
-    lanes : ``In(LANE).array(lanes)``, with ``aligned`` ``In(BYTES).array(lanes)``
+    i : ``In(LANE).array(lanes)``, with ``aligned`` ``In(BYTES).array(lanes)``
     settings : ``In(SETTINGS)``
         Constant while a frame is under way.
     o : ``Out(samples(lanes))``
@@ -53,8 +53,8 @@ class Receiver(wiring.Component):
     def __init__(self, lanes, aligned=False):
         if lanes not in LANES:
             raise InputError(f"a CSI-2 receiver has 1, 2 or 4 lanes, not {lanes}")
-        self.count, self.aligned = lanes, aligned
-        super().__init__({"lanes": In(BYTES if aligned else LANE).array(lanes),
+        self.lanes, self.aligned = lanes, aligned
+        super().__init__({"i": In(BYTES if aligned else LANE).array(lanes),
                           "settings": In(SETTINGS), "o": Out(samples(lanes)),
                           "faults": Out(FAULTS)})
 
@@ -66,11 +66,11 @@ class Receiver(wiring.Component):
 
     def elaborate(self, platform):
         m = Module()
-        m.submodules.aligner = aligner = LaneAligner(self.count)
-        m.submodules.packets = packets = Packets(self.count)
-        m.submodules.unpacker = unpacker = Unpacker(self.count)
+        m.submodules.aligner = aligner = LaneAligner(self.lanes)
+        m.submodules.packets = packets = Packets(self.lanes)
+        m.submodules.unpacker = unpacker = Unpacker(self.lanes)
         m.submodules.frames = frames = Frames()
-        for k, lane in enumerate(self.lanes):
+        for k, lane in enumerate(self.i):
             if self.aligned:
                 connect(m, flipped(lane), aligner.i[k])
             else:

@@ -43,7 +43,7 @@ class _Flat(wiring.Component):
 
     def __init__(self, receiver):
         self.receiver = receiver
-        lanes = receiver.count
+        lanes = receiver.lanes
         super().__init__({"settings": In(SETTINGS.size), "i": In(9 * lanes),
                           "o": Out(len(_FLAGS) + (1 + SAMPLE_BITS) * lanes)})
 
@@ -51,7 +51,7 @@ class _Flat(wiring.Component):
         m = Module()
         m.submodules.receiver = receiver = self.receiver
         o = receiver.o
-        for k, lane in enumerate(receiver.lanes):
+        for k, lane in enumerate(receiver.i):
             m.d.comb += Cat(lane.data, lane.active).eq(self.i.word_select(k, 9))
         m.d.comb += [receiver.settings.as_value().eq(self.settings),
                      self.o.eq(Cat(receiver.faults, o.first, o.last, o.end, o.bad, o.valid,
