@@ -18,8 +18,8 @@ def samples(count):
     - ``sample``: each of 12 bits; a shorter one is in the upper bits, and the others are zero.
     - ``first``: high with the first samples of a frame.
     - ``last``: high with the last samples of a row. A row that the source lost in part may lack it.
-    - ``end``: high for a clock after the last samples of a frame. A frame that began has one
-      before the next frame begins. It comes with no sample.
+    - ``end``: high for a clock, with the last samples of a frame or after them. A frame without
+      one before the next ``first`` is bad.
     - ``bad``: high with ``end`` if the source found a fault in the frame.
     """
     return wiring.Signature({

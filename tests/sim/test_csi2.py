@@ -23,6 +23,12 @@ def resting(lanes, rng):
     return wire
 
 
+def received(wire, kind, **options):
+    """What a receiver makes of the lanes, with clocks for the end of the last frame."""
+    wire.rest(8)
+    return receive(wire.lanes, *wire.clocks, channel=CHANNEL, kind=kind, **options)
+
+
 def random_frame(rng, kind, groups, height):
     """Random samples, in rows of so many groups."""
     return rng.integers(0, 1 << SAMPLE_BITS_OF[kind], (height, groups * GROUPS[kind]))
@@ -53,7 +59,7 @@ def test_frames_are_received(lanes, count, kind):
                        zeros=int(rng.integers(0, 40)))
             other = long_packet((CHANNEL + 1) % 4, kind, bytes(5))
             wire.burst(other if rng.integers(2) else short_packet(0, DataType.FRAME_END))
-    result = receive(lanes, *wire.clocks, channel=CHANNEL, kind=kind)
+    result = received(wire, kind)
     assert not any(result.faults.values()), result.faults
     assert [frame.bad for frame in result.frames] == [False] * count
     assert all(same(*pair, kind) for pair in zip(result.frames, frames))
@@ -103,12 +109,13 @@ GOOD, BAD = False, True
 FAULTS = {
     "one bit of a header": (lambda p: row(p, lambda one: flip(one, 9)), {"corrected": 1}, GOOD),
     "one bit of a code": (lambda p: [flip(p[0], 29), *p[1:]], {"corrected": 1}, GOOD),
-    "two bits of a header": (lambda p: row(p, lambda one: flip(one, 3, 27)), {"header": 1}, BAD),
+    "two bits of a header": (lambda p: row(p, lambda one: flip(one, 9, 27)), {"header": 1}, BAD),
     "two bits of an end": (lambda p: [*p[:-1], flip(p[-1], 0, 1)], {"header": 1, "order": 1}, BAD),
     "one bit of a row": (lambda p: row(p, lambda one: flip(one, 40)), {"checksum": 1}, BAD),
     "one bit of a checksum": (lambda p: row(p, lambda one: flip(one, 8 * len(one) - 1)),
                               {"checksum": 1}, BAD),
     "a row is cut": (lambda p: row(p, lambda one: one[:-12], cut=True), {"cut": 1}, BAD),
+    "a checksum is cut": (lambda p: row(p, lambda one: one[:-2], cut=True), {"cut": 1}, BAD),
     "a header is cut": (lambda p: row(p, lambda one: one[:2], cut=True, skew=(0,) * 4),
                         {"cut": 1}, BAD),
     "no sync byte on a lane": (lambda p: row(p, as_it_is, change=no_sync), {"unaligned": 1}, BAD),
@@ -143,11 +150,11 @@ def test_each_fault_is_counted_and_the_next_frame_is_right(fault, lanes):
     change, faults, bad = FAULTS[fault]
     rng = np.random.default_rng(lanes)
     wire, kind = resting(lanes, rng), DataType.RAW10
-    frames = [random_frame(rng, kind, 9, 3) for _ in range(3)]
+    frames = [random_frame(rng, kind, 8, 3) for _ in range(3)]
     for number, frame in enumerate(frames):
         packets = frame_packets(frame, kind, CHANNEL, number)
         send(wire, lanes, change(packets) if number == 1 else packets)
-    result = receive(lanes, *wire.clocks, channel=CHANNEL, kind=kind)
+    result = received(wire, kind)
     assert {name: count for name, count in result.faults.items() if count} == faults
     if bad is None:
         del frames[1]
@@ -226,7 +233,7 @@ def check_corrupted(lanes, count, seed=1):
     rng, height = np.random.default_rng([lanes, seed]), 5
     wire, frames, untouched = corrupted_run(
         rng, lanes, count, lambda rng: random_frame(rng, DataType.RAW10, 3, height))
-    result = receive(lanes, *wire.clocks, channel=CHANNEL, kind=DataType.RAW10)
+    result = received(wire, DataType.RAW10)
     # The consumer checks the size, as it does for each kind of camera.
     number_of = {(frame << 2).tobytes(): number for number, frame in enumerate(frames)}
     sizes = [12] * height
@@ -261,13 +268,13 @@ def test_a_reset_at_any_clock(lanes):
         frames.append(random_frame(rng, kind, 3, 2))
         begins.append(len(wire.clocks[0]) if number else 0)
         send(wire, lanes, frame_packets(frames[-1], kind, CHANNEL))
-    data, active = wire.clocks
+    ends = len(wire.clocks[0])
     resets = [begin + int(rng.integers(0, 100)) for begin in begins[1:-1:2]]
-    reset = np.zeros(len(data), bool)
+    reset = np.zeros(ends + 8, bool)
     reset[resets] = True
-    result = receive(lanes, data, active, channel=CHANNEL, kind=kind, reset=reset)
+    result = received(wire, kind, reset=reset)
     good = [frame for frame in result.frames if not frame.bad]
-    whole = [number for number, (begin, end) in enumerate(zip(begins, [*begins[1:], len(data)]))
+    whole = [number for number, (begin, end) in enumerate(zip(begins, [*begins[1:], ends]))
              if not reset[begin:end].any()]
     assert len(good) >= len(whole) > 20
     number_of = {frame.tobytes(): number for number, frame in enumerate(frames)}

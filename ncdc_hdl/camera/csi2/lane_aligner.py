@@ -19,7 +19,7 @@ class LaneAligner(wiring.Component):
     that is dropped, or has no byte at all, is reported at its end.
 
     Timing: free-running. A byte of the last lane leaves ``latency`` clocks later. Between two
-    bursts no lane is active for at least ``MAX_SKEW + 2`` clocks.
+    bursts no lane is active for at least ``min_gap`` clocks.
 
     Parameters
     ----------
@@ -34,6 +34,9 @@ class LaneAligner(wiring.Component):
     """
 
     latency = 1
+
+    min_gap = 2
+    """Clocks without an active lane, after which the next burst may begin."""
 
     def __init__(self, lanes):
         self.lanes = lanes
@@ -57,9 +60,7 @@ class LaneAligner(wiring.Component):
         with m.If(start):
             m.d.sync += started.eq(1)
         with m.Elif(~active):
-            m.d.sync += started.eq(0)
-            with m.If(~running):
-                m.d.sync += [wait.eq(0) for wait in waits]
+            m.d.sync += [started.eq(0), *(wait.eq(0) for wait in waits)]
         with m.Elif(~started):
             for wait, lane in zip(waits, self.i):
                 with m.If(lane.valid & (wait != MAX_SKEW + 1)):

@@ -6,7 +6,7 @@ from ncdc_spec.sensors.csi2 import SYNC_BYTE
 
 __all__ = ["Lanes", "MIN_GAP"]
 
-MIN_GAP = 6             # byte clocks between two bursts, at least: the clock may stop
+MIN_GAP = 2             # byte clocks between two bursts, at least: the clock may stop
 
 
 class Lanes:
