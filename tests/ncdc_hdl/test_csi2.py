@@ -148,6 +148,7 @@ def test_checksum_of_each_length(lanes):
             ctx.set(dut.data, int.from_bytes(word + rng.bytes(lanes - len(word)), "little"))
             await ctx.tick()
         ctx.set(dut.valid, 0)
+        await ctx.tick().repeat(dut.latency - 1)
         return ctx.get(dut.good)
 
     async def bench(ctx):

@@ -44,7 +44,8 @@ class Packets(wiring.Component):
         Those of packets; ``order`` is that of rows, ``length`` that of empty ones.
     """
 
-    latency = HeaderDecoder.latency
+    latency = HeaderDecoder.latency + 1
+    """The header, and what it is."""
 
     def __init__(self, lanes):
         self.lanes = lanes
@@ -56,23 +57,23 @@ class Packets(wiring.Component):
         m = Module()
         m.submodules.header = header = HeaderDecoder()
         complete, header_cut = self._gather(m, header)
-        decoded = delay(m, complete, self.latency, "complete", reset_less=False)
-        own = Signal()
-        event = Signal()                # a header that is known, of the own channel
-        row = Signal()                  # that of a row
-        some = Signal()                 # its payload is not empty
+        decoded = delay(m, complete, header.latency, "complete", reset_less=False)
+        known = Signal()                # a header of the own channel
+        m.d.comb += known.eq(decoded & ~header.wrong
+                             & (header.o.channel == self.settings.channel))
+        begins, ends, row = (
+            register(m, name, known & (header.o.type == kind), reset_less=False)
+            for name, kind in (("begins_", DataType.FRAME_START), ("ends_", DataType.FRAME_END),
+                               ("row", self.settings.type)))
+        count = register(m, "count", header.o.count)
+        some = register(m, "some", header.o.count.any())
+        row_cut, wrong = self._payload(m, row & self.open & some, count)
         m.d.comb += [
-            own.eq(header.o.channel == self.settings.channel),
-            event.eq(decoded & ~header.wrong & own),
-            self.begins.eq(event & (header.o.type == DataType.FRAME_START)),
-            self.ends.eq(event & (header.o.type == DataType.FRAME_END)),
-            row.eq(event & (header.o.type == self.settings.type)),
-            some.eq(header.o.count.any()),
-        ]
-        row_cut, wrong = self._payload(m, row & self.open & some, header.o.count)
-        m.d.comb += [
-            self.faults.corrected.eq(decoded & header.corrected),
-            self.faults.header.eq(decoded & header.wrong),
+            self.begins.eq(begins), self.ends.eq(ends),
+            self.faults.corrected.eq(register(m, "corrected", decoded & header.corrected,
+                                              reset_less=False)),
+            self.faults.header.eq(register(m, "wrong", decoded & header.wrong,
+                                           reset_less=False)),
             self.faults.order.eq(row & ~self.open),
             self.faults.length.eq(row & self.open & ~some),
             self.faults.checksum.eq(wrong),
@@ -107,12 +108,12 @@ class Packets(wiring.Component):
         inside = Signal()                           # in the payload
         alone = Signal(range(_CHECKSUM_BYTES + 1))  # words without payload that are to come
         alone_later = Array(_words_alone(number, lanes) for number in range(lanes))[rest]
-        step, last, complete = Signal(), Signal(), Signal()
+        last = Signal()                             # of the payload's words, this one
+        step, complete = Signal(), Signal()
         under_way = inside | alone.any()
         m.submodules.checksum = checksum = Checksum(lanes)
         m.d.comb += [
             step.eq(under_way & valid & ~first),
-            last.eq(inside & (left == (rest == 0))),
             complete.eq(step & Mux(inside, last & (alone_later == 0), alone == 1)),
             checksum.start.eq(begin), checksum.valid.eq(step), checksum.data.eq(data),
             checksum.rest.eq(Mux(complete, rest + _CHECKSUM_BYTES, 0)),
@@ -121,14 +122,15 @@ class Packets(wiring.Component):
         ]
         with m.If(begin):
             m.d.sync += [rest.eq(count & lanes - 1), left.eq(count >> exact_log2(lanes)),
-                         inside.eq(1), alone.eq(0)]
+                         last.eq(count <= lanes), inside.eq(1), alone.eq(0)]
         with m.Elif(~step):
             m.d.sync += [inside.eq(0), alone.eq(0)]
         with m.Elif(inside):
-            m.d.sync += [left.eq(left - 1), inside.eq(~last), alone.eq(Mux(last, alone_later, 0))]
+            m.d.sync += [left.eq(left - 1), last.eq(left == 1 + (rest == 0)), inside.eq(~last),
+                         alone.eq(Mux(last, alone_later, 0))]
         with m.Else():
             m.d.sync += alone.eq(alone - 1)
-        completed = register(m, "completed", complete, reset_less=False)
+        completed = delay(m, complete, checksum.latency, "completed", reset_less=False)
         return under_way & ~step, completed & ~checksum.good
 
 
