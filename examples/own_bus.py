@@ -13,7 +13,7 @@ from amaranth.lib.wiring import In, Out
 from amaranth.sim import Simulator
 
 from ncdc_hdl.corrector import Corrector
-from ncdc_model.golden.corrector import correct
+from ncdc_model.correction import correct
 from ncdc_spec.descriptor import Descriptor
 from ncdc_spec.hardware import Hardware
 from ncdc_spec.registers.register_map import CTRL_START

@@ -6,8 +6,8 @@ from functools import cache
 from ncdc.cli.colour import add_colour, colour_choice, colour_line, colour_report
 from ncdc.cli.common import add_json, add_samples, raw_frame, write_report
 from ncdc.terminal import Progress, percent
+from ncdc_model.correction import correct
 from ncdc_model.golden.colour import coloured
-from ncdc_model.golden.corrector import correct
 from ncdc_model.images import check_suffix, write_image
 from ncdc_spec.descriptor import Descriptor
 from ncdc_spec.interpolation import CRESTS

@@ -18,6 +18,7 @@ from ncdc_model.calibration.detect import detect_points
 from ncdc_model.calibration.frame import ideal_frame
 from ncdc_model.calibration.overlay import draw_points
 from ncdc_model.calibration.straightness import straightness
+from ncdc_model.correction import correct
 from ncdc_model.evaluate import evaluate_frame
 from ncdc_model.example import (
     BAYER,
@@ -28,7 +29,6 @@ from ncdc_model.example import (
     target_photo,
     true_map,
 )
-from ncdc_model.golden.corrector import correct
 from ncdc_model.images import demosaic, write_image
 from ncdc_model.plots import plot_error_map
 from ncdc_model.reference import bayer_psnr, correct_real, grey_level_difference

@@ -10,7 +10,7 @@ from ncdc.cli.hardware import add_hardware, fixed_of, hardware_of, planned
 from ncdc.cli.moving import add_moving, run_moving
 from ncdc.cli.waves import add_waves, waves_of
 from ncdc.terminal import Progress
-from ncdc_model.golden.corrector import correct
+from ncdc_model.correction import correct
 from ncdc_model.images import check_suffix, write_image
 from ncdc_model.planner.follow import camera_line
 from ncdc_model.planner.memory_timing import DramMemory, LatencyMemory

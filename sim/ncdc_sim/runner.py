@@ -8,7 +8,6 @@ import tempfile
 from collections import deque
 from pathlib import Path
 
-from ncdc_sim.builds import built, key_of, without_header
 from ncdc_sim.tools import (
     WAIVERS,
     SimulationError,
@@ -18,6 +17,7 @@ from ncdc_sim.tools import (
     tool,
     version,
 )
+from ncdc_spec.builds import built, key_of, without_header
 
 __all__ = ["HDL", "build", "build_bench", "command_of", "hdl_text", "run",
            "results_of"]

@@ -10,7 +10,7 @@ from devices import SIZE, device, small_lens
 from ncdc_host.client import Rejected, open_device
 from ncdc_host.client.lens import LensLoader
 from ncdc_host.device.auto_control import AutoControl, level_of
-from ncdc_host.device.correction import Correction
+from ncdc_model.correction import Correction
 from ncdc_model.example import noise_picture
 from ncdc_model.golden.corrector import correct
 from ncdc_model.images import mosaic
@@ -139,7 +139,7 @@ def test_a_crest_that_a_client_commits_is_in_the_pictures(interpolation, written
         after = served.camera.newest().data
     assert (bytes(before) == bytes(after)) == (not active)
     raw = tinted()
-    np.testing.assert_array_equal(Correction(lens)(raw, crest=active),
+    np.testing.assert_array_equal(Correction(lens)(raw, crest=active).picture,
                                   correct(lens, raw, crest=active).picture)
 
 

@@ -10,12 +10,12 @@ from devices import SIZE, device, small_lens
 from ncdc_host.client.errors import Rejected
 from ncdc_host.client.lens import LensLoader
 from ncdc_host.device.camera import picture_of
-from ncdc_host.device.correction import Correction
 from ncdc_host.device.corrector_window import CorrectorWindow, descriptor_of_words
 from ncdc_host.device.emulated import lens_corrections
 from ncdc_host.device.light import POSITIONS, MovingScene, Photo
 from ncdc_host.device.registers import Settings, View
 from ncdc_host.device.sensor import Exposure, expose
+from ncdc_model.correction import Correction
 from ncdc_model.example import noise_picture
 from ncdc_model.golden.colour import ColourSums, coloured
 from ncdc_model.golden.corrector import correct
@@ -39,7 +39,7 @@ def noise(size, seed=3):
 @pytest.mark.parametrize("corrected,distorted,strength", [
     ((48, 40), (48, 40), .25), ((90, 40), (64, 52), .6), ((40, 60), (120, 90), -.1)])
 @pytest.mark.parametrize("interpolation", INTERPOLATIONS.values(), ids=INTERPOLATIONS)
-def test_the_matrix_is_the_golden_model(bayer, corrected, distorted, strength, interpolation):
+def test_pictures_are_the_golden_model_s(bayer, corrected, distorted, strength, interpolation):
     lens = barrel_descriptor(corrected, distorted, strength=strength, bayer=bayer, fill=(9, 8, 7),
                              interpolation=interpolation)
     correction = Correction(lens)
@@ -47,10 +47,10 @@ def test_the_matrix_is_the_golden_model(bayer, corrected, distorted, strength, i
                                                                      np.uint8)):
         golden = correct(lens, raw)
         assert golden.blank.any() or strength < 0
-        assert np.array_equal(correction(raw), golden.picture)
+        assert np.array_equal(correction(raw).picture, golden.picture)
 
 
-def test_the_matrix_rejects_another_size():
+def test_a_frame_of_another_size_is_rejected():
     with pytest.raises(InputError, match="48x48 pixels, the descriptor is for 64x48"):
         Correction(small_lens())(np.zeros((48, 48), np.uint8))
 

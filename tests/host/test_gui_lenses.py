@@ -11,12 +11,12 @@ from devices import SIZE, small_lens
 from guis import SECONDS, announced, pixels_of, tab_on, url_of
 from ncdc_host.client import open_device
 from ncdc_host.client.frame import Frame
-from ncdc_host.device.correction import Correction
 from ncdc_host.gui.calibration import Calibration
 from ncdc_host.gui.calibration_dialog import CalibrationDialog
 from ncdc_host.gui.calibration_job import main as calibrate
 from ncdc_host.gui.shown import Shown
 from ncdc_model.calibration.detect import detect_points
+from ncdc_model.correction import Correction
 from ncdc_model.evaluate import evaluate_frame
 from ncdc_model.example import BAYER, example_camera, noise_picture, target_photo, true_map
 from ncdc_model.golden.corrector import correct
@@ -118,7 +118,7 @@ def test_calibrate_from_this_picture(qtbot, dots, tmp_path):
                 assert "373 points" in dialog.state.text()
                 # Nothing is overwritten before the user says so.
                 assert dialog.number.currentText() == "Lens 0 (active)"
-                assert shows(tab, Correction(rough)(raw)[:, ::-1]) and dialog.load.isEnabled()
+                assert shows(tab, Correction(rough)(raw).picture[:, ::-1]) and dialog.load.isEnabled()
                 with qtbot.waitSignal(tab.session.lens_loaded, timeout=SECONDS):
                     dialog.load.click()
                 assert "lens 0 of the device now" in dialog.state.text()
@@ -126,7 +126,7 @@ def test_calibrate_from_this_picture(qtbot, dots, tmp_path):
                 dialog.save_lens(tmp_path / "net.toml")
                 lens = Descriptor.load(tmp_path / "net.toml")
                 assert lens.geometry == rough.geometry
-                golden = Correction(lens)(raw)[:, ::-1]
+                golden = Correction(lens)(raw).picture[:, ::-1]
                 qtbot.waitUntil(lambda: shows(tab, golden), timeout=SECONDS)
                 dialog.reject()
     # Three neurons are few; the lens of a mirrored frame errs by tens of pixels.

@@ -5,7 +5,7 @@ import pytest
 
 from cameras import barrel_descriptor, barrel_map
 from ncdc_hdl.export.verilog import corrector_verilog
-from ncdc_model.golden.corrector import correct
+from ncdc_model.correction import correct
 from ncdc_model.golden.network import frame_coordinates
 from ncdc_model.images import mosaic
 from ncdc_model.reference import bayer_psnr, correct_real, grey_level_difference

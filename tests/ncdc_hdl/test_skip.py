@@ -9,8 +9,8 @@ from cameras import barrel_descriptor
 from front_end import FrontEnd, expected, extreme, frames
 from ncdc_hdl.lib.pipeline import DelayMemory
 from ncdc_hdl.neural.neuron import WeightedSum, output_sum
+from ncdc_model.correction import correct
 from ncdc_model.evaluate import evaluate_frame, fixed_map
-from ncdc_model.golden.corrector import correct
 from ncdc_model.golden.network import frame_coordinates, output_neuron
 from ncdc_sim.system.corrector import simulate_correction
 from ncdc_spec.descriptor import Descriptor, Formats

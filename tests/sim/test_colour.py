@@ -6,8 +6,8 @@ import pytest
 from cameras import barrel_descriptor
 from ncdc_hdl.corrector import Corrector
 from ncdc_hdl.export.verilog import corrector_verilog
+from ncdc_model.correction import correct
 from ncdc_model.golden.colour import ColourSums, coloured
-from ncdc_model.golden.corrector import correct
 from ncdc_model.golden.tone import tone_named
 from ncdc_sim.system.corrector import simulate_correction
 from ncdc_sim.system.frame import Program, simulate_frame

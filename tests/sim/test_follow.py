@@ -12,7 +12,7 @@ from ncdc_bench.throughput.lenses import Lens, trained
 from ncdc_hdl.backend.row_gate import RowGate
 from ncdc_hdl.corrector import Corrector
 from ncdc_hdl.export.verilog import corrector_verilog
-from ncdc_model.golden.corrector import correct
+from ncdc_model.correction import correct
 from ncdc_model.images import write_image
 from ncdc_model.planner.follow import camera_line, follow_bound, rows_needed
 from ncdc_model.planner.memory_timing import memory_timing

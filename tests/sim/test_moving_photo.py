@@ -4,8 +4,8 @@ import cv2
 import numpy as np
 
 from cameras import barrel_descriptor
+from ncdc_model.correction import correct
 from ncdc_model.example import noise_picture
-from ncdc_model.golden.corrector import correct
 from ncdc_sim.sensor.photo import moving_photo, row_times
 from ncdc_spec.sensors.catalogue import sensor_named, setup
 from ncdc_spec.sensors.framing import setup_around

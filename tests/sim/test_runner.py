@@ -8,10 +8,10 @@ import threading
 import pytest
 
 from ncdc_sim import runner, tools
-from ncdc_sim.builds import built, key_of, without_header
 from ncdc_sim.ports import ports_of
 from ncdc_sim.runner import build, command_of, run
 from ncdc_sim.tools import SimulationError
+from ncdc_spec.builds import built, key_of, without_header
 from ncdc_spec.errors import InputError
 
 HELLO = 'module hello;\n  initial begin $display("hello"); $finish; end\nendmodule\n'

@@ -25,7 +25,6 @@ from ncdc_boards.sdram.controller import SdramController
 from ncdc_boards.sdram.init_refresh import InitRefresh
 from ncdc_boards.sdram.segments import Segments
 from ncdc_boards.sdram.write_words import WriteWords
-from ncdc_sim.builds import built, key_of
 from ncdc_sim.runner import HDL, build_bench
 from ncdc_sim.sdram import (
     ALONE,
@@ -38,6 +37,7 @@ from ncdc_sim.sdram import (
     run_sdram,
     sdram_results,
 )
+from ncdc_spec.builds import built, key_of
 
 SUPPORT = Path(__file__).resolve().parents[1] / "support"
 OFF = Host(SILENT)

@@ -15,7 +15,7 @@ from ncdc_hdl.usb.layouts import FT232H
 from ncdc_hdl.usb.system import UsbSystem
 from ncdc_host.client.errors import DeviceGone
 from ncdc_host.client.usb import UsbConnection, UsbDevice, UsbPort
-from ncdc_model.golden.corrector import correct
+from ncdc_model.correction import correct
 from ncdc_sim.sensor.verilog import Light
 from ncdc_sim.system.running import running
 from ncdc_spec.hardware import Hardware

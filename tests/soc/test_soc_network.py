@@ -9,7 +9,7 @@ import pytest
 
 from cameras import barrel_descriptor
 from ncdc_bench.figures.soc_window import window_on
-from ncdc_model.golden.corrector import correct
+from ncdc_model.correction import correct
 from ncdc_sim.system.soc import ADDRESS, SocRun
 from ncdc_spec.frames import output_format
 from ncdc_spec.pixel_formats import raw_format

@@ -7,8 +7,8 @@ from ncdc_boards.camera_board.design import SENSOR_CLOCK_HZ, design_of, sensor_f
 from ncdc_boards.camera_board.pattern import PatternSensor, pattern_samples, pattern_sensor
 from ncdc_boards.catalogue import board
 from ncdc_hdl.video.modes import VideoMode
+from ncdc_model.correction import correct
 from ncdc_model.example.card import card_codes
-from ncdc_model.golden.corrector import correct
 from ncdc_model.raw_lens import raw_lens
 from ncdc_sim.board.run import simulate_board
 from ncdc_sim.sensor.reference import raw_frames

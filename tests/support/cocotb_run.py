@@ -11,9 +11,9 @@ import cocotb_tools.config
 from cocotb_tools.runner import get_runner
 
 from ncdc_hdl.export.verilog import module_verilog
-from ncdc_sim.builds import without_header
 from ncdc_sim.runner import build
 from ncdc_sim.tools import SimulationError
+from ncdc_spec.builds import without_header
 
 __all__ = ["Design", "SETTINGS", "design_of", "run_cocotb"]
 

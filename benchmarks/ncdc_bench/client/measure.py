@@ -10,8 +10,8 @@ from pathlib import Path
 
 import numpy as np
 
+from ncdc_model.correction import correct
 from ncdc_model.example import example_camera, scene_photo
-from ncdc_model.golden.corrector import correct
 from ncdc_model.images import mosaic, write_image
 from ncdc_sim.link.namespaces import DEVICES, Network
 from ncdc_sim.tools import SimulationError

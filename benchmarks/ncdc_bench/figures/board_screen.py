@@ -14,7 +14,7 @@ from ncdc.cli.hardware import planned
 from ncdc_boards.camera_board.design import design_of, hardware_for, sensor_for
 from ncdc_boards.catalogue import board
 from ncdc_hdl.video.modes import mode_for
-from ncdc_model.golden.corrector import correct
+from ncdc_model.correction import correct
 from ncdc_model.planner.plan import Fixed
 from ncdc_sim.board.run import simulate_board
 from ncdc_sim.sensor.photo import moving_photo

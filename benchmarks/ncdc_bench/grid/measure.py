@@ -6,7 +6,7 @@ import cv2
 import numpy as np
 
 from ncdc_bench.grid.light import MARGIN
-from ncdc_model.golden.corrector import correct
+from ncdc_model.correction import correct
 from ncdc_model.images import mosaic
 from ncdc_model.reference import psnr
 from ncdc_spec.interpolation import INTERPOLATIONS

@@ -11,7 +11,7 @@ import numpy as np
 
 from ncdc_bench.client.measure import PEERS, still_photo
 from ncdc_bench.throughput.lenses import Lens, trained
-from ncdc_model.golden.corrector import correct
+from ncdc_model.correction import correct
 from ncdc_sim.system.soc import ADDRESS, SocModel, SocRun
 from ncdc_sim.tools import SimulationError
 from ncdc_spec.protocols.gvcp import CORRECTOR_BASE

@@ -7,7 +7,7 @@ import numpy as np
 
 from ncdc_bench.pictures.metrics import FIGURES, Reference, neighbours, ssim
 from ncdc_bench.pictures.peers import PEERS, decoded
-from ncdc_model.golden.corrector import correct
+from ncdc_model.correction import correct
 from ncdc_model.images import mosaic
 from ncdc_model.reference import psnr
 from ncdc_spec.interpolation import CRESTS, DIRECTIONAL, INTERPOLATIONS

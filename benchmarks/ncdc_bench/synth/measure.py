@@ -23,7 +23,7 @@ from ncdc.toolchain.flows import (
 )
 from ncdc_bench.synth.blocks import ONLY, SPEEDS, component, traits
 from ncdc_hdl.export.verilog import module_verilog
-from ncdc_sim.builds import built, key_of
+from ncdc_spec.builds import built, key_of
 
 __all__ = ["SIZES", "TARGETS", "block_rows"]
 

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ncdc_model.golden.corrector import correct
+from ncdc_model.correction import correct
 from ncdc_sim.system.host import Content
 from ncdc_sim.system.running import running
 

@@ -11,7 +11,7 @@ from ncdc_model.lens import Camera
 from ncdc_model.training.choices import TrainingChoices
 from ncdc_model.training.pipeline import train_camera
 from ncdc_model.training.source import Source
-from ncdc_sim.builds import built, key_of
+from ncdc_spec.builds import built, key_of
 from ncdc_spec.descriptor import Descriptor
 from ncdc_spec.geometry import Geometry
 from ncdc_spec.interpolation import FAST, interpolation_of

@@ -11,8 +11,8 @@ import numpy as np
 from ncdc_host.device.auto_control import level_of
 from ncdc_host.device.registers import Settings
 from ncdc_host.device.sensor import Exposure, expose
-from ncdc_model.golden.colour import ColourSums, coloured
-from ncdc_model.golden.corrector import Corrected
+from ncdc_model.correction import coloured
+from ncdc_model.golden.colour import ColourSums
 from ncdc_spec.colour import Colour
 from ncdc_spec.pixel_formats import PixelFormat, packed
 
@@ -203,7 +203,7 @@ def picture_of(raw, settings, correction):
     if view.pixel_format.raw:
         raw = raw[view.y:view.y + view.height, view.x:view.x + view.width]
     else:
-        corrected = Corrected(correction(raw, settings.colour.crest), correction.blank, fetches=0)
+        corrected = correction(raw, settings.colour.crest)
         sums = _sums(corrected, correction.descriptor.geometry.fill)
         whole = corrected.picture
         if settings.colour != Colour():

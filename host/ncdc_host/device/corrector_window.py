@@ -5,8 +5,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from ncdc_host.device.correction import Correction
 from ncdc_host.device.registers import Rejected
+from ncdc_model.correction import Correction
 from ncdc_spec.colour import COLOURS, Colour
 from ncdc_spec.descriptor import Descriptor
 from ncdc_spec.errors import InputError

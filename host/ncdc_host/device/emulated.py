@@ -12,12 +12,12 @@ from ipaddress import IPv4Address
 from ncdc_host.device.auto_control import AutoControl
 from ncdc_host.device.camera import Camera
 from ncdc_host.device.control import ControlAgent, Identity
-from ncdc_host.device.correction import Correction
 from ncdc_host.device.corrector_window import CorrectorWindow
 from ncdc_host.device.light import MovingScene, Photo
 from ncdc_host.device.registers import Registers
 from ncdc_host.device.stream import Stream
 from ncdc_host.device.table_server import TableServer
+from ncdc_model.correction import Correction
 from ncdc_spec.errors import InputError
 from ncdc_spec.geometry import MONO
 from ncdc_spec.protocols.gvcp import DISCOVERY, FORCEIP, PORT, parse_command

@@ -6,7 +6,7 @@ from importlib.resources import files
 import numpy as np
 
 from ncdc_hdl.export.testbench.ports import ports_of_text
-from ncdc_model.golden.corrector import correct
+from ncdc_model.correction import correct
 from ncdc_spec.frames import (
     FrameAddresses,
     frame_bytes,

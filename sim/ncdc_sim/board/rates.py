@@ -5,7 +5,7 @@ Every picture on the line is compared with the golden model's of its own raw fra
 
 from dataclasses import dataclass
 
-from ncdc_model.golden.corrector import correct
+from ncdc_model.correction import correct
 from ncdc_sim.board.network import LINE_HZ, NetworkRun
 from ncdc_sim.board.pictures import Steady, line_frames, pictures_of, steady
 from ncdc_sim.board.sender import PictureSender

@@ -11,8 +11,8 @@ import sys
 from dataclasses import dataclass
 from pathlib import Path
 
-from ncdc_sim.builds import built, key_of, without_header
 from ncdc_sim.tools import SimulationError, call
+from ncdc_spec.builds import built, key_of, without_header
 from ncdc_spec.errors import InputError
 from ncdc_spec.needs import pip_line
 

@@ -5,8 +5,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from ncdc_hdl.export.verilog import corrector_verilog
+from ncdc_model.correction import correct
 from ncdc_model.golden.colour import ColourSums, coloured
-from ncdc_model.golden.corrector import check_raw, correct
+from ncdc_model.golden.corrector import check_raw
 from ncdc_model.planner.lookups import frame_windows, lookups
 from ncdc_model.planner.tags import accesses, misses
 from ncdc_sim.system.frame import Camera, Program, Run, simulate_frame

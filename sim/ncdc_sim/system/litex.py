@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ncdc_model.golden.corrector import correct
+from ncdc_model.correction import correct
 from ncdc_sim.runner import HDL, build, command_of, run
 from ncdc_sim.tools import SimulationError
 from ncdc_soc.module_soc import MAIN_RAM, REGISTERS, module_soc_verilog

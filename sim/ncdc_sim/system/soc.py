@@ -5,7 +5,7 @@ import time
 from dataclasses import replace
 from pathlib import Path
 
-from ncdc_model.golden.corrector import correct
+from ncdc_model.correction import correct
 from ncdc_sim.link.namespaces import TAP, TapNetwork
 from ncdc_sim.runner import HDL, build, command_of
 from ncdc_sim.sensor.photo import still_raw

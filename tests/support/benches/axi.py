@@ -19,7 +19,7 @@ from cocotbext.axi import (
 )
 
 from benches.common import PERIOD, settings
-from ncdc_model.golden.corrector import correct
+from ncdc_model.correction import correct
 from ncdc_spec.descriptor import Descriptor
 from ncdc_spec.frames import FrameAddresses, frame_bytes, raw_image, stored_picture
 from ncdc_spec.hardware import Hardware

@@ -5,7 +5,7 @@ import numpy as np
 
 from benches.avalon import Host, read_memory, write_memory
 from benches.common import clocks, settings, start
-from ncdc_model.golden.corrector import correct
+from ncdc_model.correction import correct
 from ncdc_sim.system.corrector import tiles_fetched
 from ncdc_spec.descriptor import Descriptor
 from ncdc_spec.frames import FrameAddresses, frame_bytes, raw_image, stored_picture

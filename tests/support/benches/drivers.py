@@ -13,7 +13,7 @@ from cocotb.task import bridge, resume
 
 from benches.avalon import Host, read_memory, write_memory
 from benches.common import settings, start
-from ncdc_model.golden.corrector import correct
+from ncdc_model.correction import correct
 from ncdc_spec.descriptor import Descriptor
 from ncdc_spec.frames import frame_bytes, raw_image, stored_picture
 from ncdc_spec.registers.host_values import host_values

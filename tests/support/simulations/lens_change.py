@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ncdc_hdl.export.drivers.lenses import Lens
-from ncdc_model.golden.corrector import correct
+from ncdc_model.correction import correct
 from ncdc_sim.system.frame import Program, simulate_frame
 from ncdc_spec.frames import FrameAddresses, frame_bytes, raw_image
 from ncdc_spec.registers.host_values import address_values

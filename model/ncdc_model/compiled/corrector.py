@@ -1,0 +1,88 @@
+"""Frames of one descriptor, corrected by the compiled model.
+
+What depends on the lens alone, the source of each pixel, is computed once.
+"""
+
+import ctypes
+
+import numpy as np
+
+from ncdc_model.compiled.coordinates import frame_coordinates
+from ncdc_model.compiled.library import library, pointer
+from ncdc_spec.interpolation import DIRECTIONAL
+
+__all__ = ["CompiledCorrector"]
+
+_SOURCE = np.dtype([("place", np.int32), ("fx", np.int32), ("fy", np.int32)])  # struct source
+
+
+class _Blending(ctypes.Structure):
+    """``struct blending`` of pictures.c."""
+    _fields_ = [(name, ctypes.c_int32) for name in
+                ("f_bits", "unit_bits", "width", "strength")]
+    _fields_ += [("curvature", ctypes.c_void_p), ("fill", ctypes.c_uint8 * 4)]
+
+
+class CompiledCorrector:
+    """Corrects raw frames of a descriptor, bit for bit as
+    :func:`ncdc_model.golden.corrector.correct`.
+
+    Parameters
+    ----------
+    descriptor : Descriptor
+
+    Attributes
+    ----------
+    first : ndarray of int32, shape (height, width)
+        Index y0 * distorted width + x0 of the first corner of each pixel; -1 where it is blank.
+
+    Raises
+    ------
+    InputError
+        If there is no compiled library, see :func:`ncdc_model.compiled.library.library`.
+    """
+    def __init__(self, descriptor):
+        self._geometry = geometry = descriptor.geometry
+        self._f_bits = descriptor.formats.coordinate.f_bits
+        self._sources = np.empty(geometry.corrected[::-1], _SOURCE)
+        x, y = frame_coordinates(descriptor)
+        valid = descriptor.valid.mask(geometry.corrected_width)
+        needs = geometry.interpolation
+        library().sources(pointer(x), pointer(y), pointer(valid), valid.size,
+                          int(needs.offset * (1 << self._f_bits)), self._f_bits, needs.core,
+                          *geometry.distorted, *geometry.phase, pointer(self._sources))
+        self.first = self._sources["place"] >> 2
+
+    def picture(self, raw, crest=0):
+        """The corrected picture, uint8 RGB (height, width, 3), of a ``raw`` frame of the distorted
+        size.
+
+        ``crest``: strength, 0 to 2; another interpolation than directional has none.
+        """
+        geometry, needs = self._geometry, self._geometry.interpolation
+        framed = np.pad(raw, needs.margin, mode="reflect") if needs.margin else raw
+        framed = np.ascontiguousarray(framed)
+        picture = np.empty((*geometry.corrected[::-1], 3), np.uint8)
+        curvature = self._at_samples("curvatures", framed, np.int16, 2) if crest else None
+        blending = _Blending(self._f_bits, needs.unit_bits, geometry.distorted_width,
+                             crest, crest and pointer(curvature),
+                             (*geometry.fill, 0))
+        blend = ctypes.byref(blending), pointer(self._sources), self.first.size
+        phase = () if geometry.mono else geometry.phase
+        if needs == DIRECTIONAL and not geometry.mono:
+            terms = self._at_samples("directional_terms", framed, np.int16, 4, *phase)
+            direction = self._at_samples("directions", framed, np.int8, 1)
+            library().blend_directional(*blend, pointer(terms), pointer(raw),
+                                        pointer(direction), pointer(picture))
+        else:
+            name = "grey" if geometry.mono else needs.name
+            colours = self._at_samples(f"{name}_colours", framed, np.int16, 4, *phase)
+            library().blend(*blend, pointer(colours), pointer(picture))
+        return picture
+
+    def _at_samples(self, function, framed, kind, values, *phase):
+        """What a C ``function`` computes at every sample of a frame: so many ``values`` each."""
+        width, height = self._geometry.distorted
+        out = np.empty((height, width, values), kind)
+        getattr(library(), function)(pointer(framed), width, height, *phase, pointer(out))
+        return out
