@@ -140,6 +140,12 @@ def _answers(command, text=""):
         return False
 
 
+def _compiler():
+    if any(map(_there, ("cc", "gcc", "clang"))):
+        return []
+    return [Missing("gcc", apt_line(["gcc"]))]
+
+
 def _headers():
     lost = [package for header, package in (("lz4.h", "liblz4-dev"), ("zlib.h", "zlib1g-dev"))
             if not _answers(["g++", "-E", "-x", "c++", "-"], f"#include <{header}>\n")]
@@ -199,6 +205,7 @@ def _quartus():
 
 CAPABILITIES = (
     Capability("correct, sensor, device; client with tcp://", "", checks=(_python,), base=True),
+    Capability("the same a hundred times as fast: the compiled model", checks=(_compiler,)),
     Capability("target, calibrate, train, evaluate, export; demo", "calibrate"),
     Capability("plan, generate", "hdl"),
     Capability("simulate, demo", "sim", ("g++", "make", "perl")),

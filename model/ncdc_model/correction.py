@@ -3,13 +3,14 @@
 Both give the same bits. What depends on the lens alone is computed once for each descriptor.
 """
 
+import os
 from dataclasses import dataclass, field
 from functools import cached_property, lru_cache
 
 import cv2
 import numpy as np
 
-from ncdc_model.compiled import coordinates as compiled_coordinates
+from ncdc_model.compiled import coordinates as compiled
 from ncdc_model.compiled.corrector import CompiledCorrector
 from ncdc_model.compiled.library import library
 from ncdc_model.golden import colour as golden_colour
@@ -28,10 +29,22 @@ COMPILED, REFERENCE = "compiled", "reference"
 MODELS = (COMPILED, REFERENCE)
 
 _LENSES = 4             # that stay: 12 bytes a pixel each
+_ROWS = 64              # corrected rows at a time: bounds the memory
 
 
 def default_model(warn=lambda sentence: None):
-    """The compiled model, or the reference if that cannot be had; ``warn`` is called with why."""
+    """The model that ``NCDC_MODEL`` names, or the compiled one, or the reference if that cannot be
+    had: then ``warn`` is called with a sentence.
+
+    Raises
+    ------
+    InputError
+        If ``NCDC_MODEL`` names none.
+    """
+    if chosen := os.environ.get("NCDC_MODEL"):
+        if chosen not in MODELS:
+            raise InputError(f"NCDC_MODEL is {chosen!r}, one of {', '.join(MODELS)} is needed")
+        return chosen
     try:
         library()
     except InputError as error:
@@ -136,19 +149,28 @@ def correct(descriptor, raw, progress=lambda done, total: None, strip=0, crest=0
 
 
 def frame_coordinates(descriptor):
-    """Raw (x', y') of the whole corrected frame, (2, height, width).
+    """Raw (x', y') of the whole corrected frame, int32 of shape (2, height, width).
 
-    See :func:`ncdc_model.golden.network.frame_coordinates`.
+    See :func:`ncdc_model.golden.network.coordinates`.
     """
-    frame = (compiled_coordinates if default_model() == COMPILED else network).frame_coordinates
-    return np.asarray(frame(descriptor))
+    if default_model() == COMPILED:
+        return compiled.frame_coordinates(descriptor)
+    width, height = descriptor.geometry.corrected
+    frame = np.empty((2, height, width), np.int32)
+    for top in range(0, height, _ROWS):
+        v, u = np.mgrid[top:min(top + _ROWS, height), 0:width]
+        frame[:, top:top + _ROWS] = network.coordinates(descriptor, u, v)
+    return frame
 
 
-def coloured(corrected, colour):
+def coloured(corrected, colour, model=None):
     """The picture of a ``corrected`` frame after ``colour``.
 
-    See :func:`ncdc_model.golden.colour.coloured`, which makes a table of all values here.
+    See :func:`ncdc_model.golden.colour.coloured`, which makes a table of all values for the
+    compiled model. ``model``: as of :class:`Correction`.
     """
+    if (model or default_model()) == REFERENCE:
+        return golden_colour.coloured(corrected, colour)
     every = np.repeat(np.arange(256, dtype=np.uint8), 3).reshape(1, 256, 3)
     table = golden_colour.coloured(Corrected(every, np.zeros((1, 256), bool), 0), colour)
     picture = cv2.LUT(corrected.picture, table)

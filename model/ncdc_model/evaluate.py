@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from ncdc_model.golden.network import coordinates, network, round_between
+from ncdc_model.correction import frame_coordinates
+from ncdc_model.golden.network import network, round_between
 from ncdc_model.golden.nodes import CURVATURE_LIMIT, curvature, sums_between
 from ncdc_spec.errors import InputError
 
@@ -126,7 +127,7 @@ def evaluate_frame(descriptor, back_map=None, maps=None, progress=lambda fractio
     geometry, coordinate = descriptor.geometry, descriptor.formats.coordinate
     width, height = geometry.corrected
     valid = descriptor.valid.mask(width)
-    real = float_map(descriptor.network, geometry)
+    real, fixed = float_map(descriptor.network, geometry), frame_coordinates(descriptor)
     tallies, worst = {"float": _Tally(), "fixed": _Tally()}, 0.0
     for name in tallies if maps is not None else ():
         maps[name] = np.full((height, width), np.nan, np.float32)
@@ -137,7 +138,7 @@ def evaluate_frame(descriptor, back_map=None, maps=None, progress=lambda fractio
         if not len(u):
             continue
         both = {"float": real(u, v),
-                "fixed": tuple(coordinate.real(raw) for raw in coordinates(descriptor, u, v))}
+                "fixed": tuple(coordinate.real(raw[v, u]) for raw in fixed)}
         worst = max(worst, *(float(np.abs(a - b).max()) for a, b in zip(*both.values())))
         if back_map is None:
             continue

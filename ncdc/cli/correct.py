@@ -1,13 +1,12 @@
-"""``ncdc correct``: corrects an image with the golden model."""
+"""``ncdc correct``: corrects an image with a bit-exact model of the hardware."""
 
 import sys
 from functools import cache
 
 from ncdc.cli.colour import add_colour, colour_choice, colour_line, colour_report
 from ncdc.cli.common import add_json, add_samples, raw_frame, write_report
-from ncdc.terminal import Progress, percent
-from ncdc_model.correction import correct
-from ncdc_model.golden.colour import coloured
+from ncdc.terminal import Progress, percent, say
+from ncdc_model.correction import MODELS, coloured, correct, default_model
 from ncdc_model.images import check_suffix, write_image
 from ncdc_spec.descriptor import Descriptor
 from ncdc_spec.interpolation import CRESTS
@@ -24,6 +23,10 @@ def add_arguments(parser) -> None:
     parser.add_argument("image", metavar="IMAGE",
                         help="raw Bayer frame (one channel), or a colour picture to be mosaiced")
     parser.add_argument("-o", "--output", required=True, metavar="OUT", help="corrected picture")
+    parser.add_argument("--model", choices=MODELS,
+                        help="compiled: C functions, which need a C compiler (default, if there is "
+                             "one); reference: NumPy, which takes a hundred times as long; both "
+                             "give the same bits")
     add_colour(parser.add_argument_group("colour"))
     add_samples(parser.add_argument_group("samples of the file"))
     add_json(parser)
@@ -35,20 +38,23 @@ def run(args) -> None:
     choice = colour_choice(args)
     descriptor = Descriptor.load(args.descriptor)
     raw, note = raw_frame(args.image, descriptor.geometry, args.raw, args.bits)
+    model = args.model or default_model(say)
 
     @cache
     def corrected_with(raw_gains):
         return correct(descriptor, raw, percent(Progress("correcting")),
-                       crest=CRESTS[args.crest], raw_gains=raw_gains)
+                       crest=CRESTS[args.crest], raw_gains=raw_gains, model=model)
 
     colour = choice(corrected_with) if choice else None
     corrected = corrected_with(colour.raw_gains if colour else NO_RAW_GAINS)
-    write_image(args.output, coloured(corrected, colour) if colour else corrected.picture)
+    write_image(args.output, coloured(corrected, colour, model) if colour else
+                corrected.picture)
     if note:
         print(note, file=sys.stderr)
     report = {"hidden_neurons": descriptor.hidden_neurons, "pixels": corrected.blank.size,
               "pixels_blank": int(corrected.blank.sum()), "windows_fetched": corrected.fetches,
-              "fetch": "multiport", **(colour_report(args, colour) if colour else {})}
+              "fetch": "multiport", "model": model,
+              **(colour_report(args, colour) if colour else {})}
     if not write_report(report, args.json):
         share = 100 * corrected.blank.mean()
         print(f"{args.output}: {'x'.join(map(str, descriptor.geometry.corrected))} pixels, "

@@ -4,7 +4,7 @@ from pathlib import Path
 
 from ncdc_model.calibration.points import TargetPoints
 from ncdc_model.calibration.points_csv import STYLES, save_csv
-from ncdc_model.golden.remap import SUFFIXES, remap_tables, save_tables
+from ncdc_model.remap_tables import SUFFIXES, remap_tables, save_tables
 from ncdc_model.training.source import is_points_file
 from ncdc_spec.descriptor import Descriptor
 from ncdc_spec.errors import InputError

@@ -12,7 +12,7 @@ from ncdc_model.calibration.points import PhotoPoints, TargetPoints
 from ncdc_model.calibration.remap_source import load_remap
 from ncdc_model.golden.corrector import correct
 from ncdc_model.golden.network import frame_coordinates
-from ncdc_model.golden.remap import SUFFIXES
+from ncdc_model.remap_tables import SUFFIXES
 
 
 @pytest.fixture

@@ -60,29 +60,39 @@ class CompiledCorrector:
         ``crest``: strength, 0 to 2; another interpolation than directional has none.
         """
         geometry, needs = self._geometry, self._geometry.interpolation
+        raw = np.ascontiguousarray(raw)
         framed = np.pad(raw, needs.margin, mode="reflect") if needs.margin else raw
-        framed = np.ascontiguousarray(framed)
-        picture = np.empty((*geometry.corrected[::-1], 3), np.uint8)
-        curvature = self._at_samples("curvatures", framed, np.int16, 2) if crest else None
-        blending = _Blending(self._f_bits, needs.unit_bits, geometry.distorted_width,
-                             crest, crest and pointer(curvature),
+        curvature = self._at_samples("curvatures", framed, 2) if crest else None
+        blending = _Blending(self._f_bits, needs.unit_bits, geometry.distorted_width, crest,
+                             None if curvature is None else pointer(curvature),
                              (*geometry.fill, 0))
-        blend = ctypes.byref(blending), pointer(self._sources), self.first.size
-        phase = () if geometry.mono else geometry.phase
-        if needs == DIRECTIONAL and not geometry.mono:
-            terms = self._at_samples("directional_terms", framed, np.int16, 4, *phase)
-            direction = self._at_samples("directions", framed, np.int8, 1)
-            library().blend_directional(*blend, pointer(terms), pointer(raw),
+        pixels = ctypes.byref(blending), pointer(self._sources), self.first.size
+        picture = np.empty((*geometry.corrected[::-1], 3), np.uint8)
+        if geometry.mono:
+            colours = self._at_samples("grey_colours", framed, 4)
+            library().blend(*pixels, pointer(colours), pointer(picture))
+        elif needs == DIRECTIONAL:
+            terms = self._at_samples("directional_terms", framed, 4, *geometry.phase)
+            direction = self._directions(framed)
+            library().blend_directional(*pixels, pointer(terms), pointer(raw),
                                         pointer(direction), pointer(picture))
         else:
-            name = "grey" if geometry.mono else needs.name
-            colours = self._at_samples(f"{name}_colours", framed, np.int16, 4, *phase)
-            library().blend(*blend, pointer(colours), pointer(picture))
+            colours = self._at_samples(f"{needs.name}_colours", framed, 4, *geometry.phase)
+            library().blend(*pixels, pointer(colours), pointer(picture))
         return picture
 
-    def _at_samples(self, function, framed, kind, values, *phase):
-        """What a C ``function`` computes at every sample of a frame: so many ``values`` each."""
+    def _at_samples(self, function, framed, values, *phase):
+        """So many int16 ``values`` at every sample of a frame, by a C ``function``."""
         width, height = self._geometry.distorted
-        out = np.empty((height, width, values), kind)
+        out = np.empty((height, width, values), np.int16)
         getattr(library(), function)(pointer(framed), width, height, *phase, pointer(out))
+        return out
+
+    def _directions(self, framed):
+        """Twice the direction of the quad at every sample, int8."""
+        width, height = self._geometry.distorted
+        along, down = np.empty((2, *framed.shape), np.uint8)
+        out = np.empty((height, width), np.int8)
+        library().variations(pointer(framed), width, height, pointer(along), pointer(down))
+        library().directions(pointer(along), pointer(down), width, height, pointer(out))
         return out

@@ -8,7 +8,6 @@
  * there, has the index y * width + x.
  */
 #include <stdint.h>
-#include <stdlib.h>
 #include <string.h>
 
 #define MARGIN 2                /* of the interpolations with windows of 6x6 samples */
@@ -150,47 +149,41 @@ static inline int second_difference(const uint8_t *c, long step)
            + (c[3 * step] >> DROPPED);
 }
 
-/* m(d) of four samples in line from each sample of the frame with its margin on, along rows and
- * along columns; `along` and `down` have its shape. */
-static void variations(const uint8_t *restrict raw, int stride, int rows, uint8_t *restrict along,
-                       uint8_t *restrict down)
+/* m(d) of the four samples in line from each one on, along rows and along columns, of a frame with
+ * its margin; both results have its shape. */
+void variations(const uint8_t *restrict raw, int width, int height, uint8_t *restrict along,
+                uint8_t *restrict down)
 {
-    for (int y = 0; y < rows; y++) {
-        const uint8_t *row = raw + (long)y * stride;
+    const int stride = width + 2 * MARGIN, rows = height + 2 * MARGIN;
+    for (int y = 0; y < rows; y++, raw += stride, along += stride, down += stride) {
         for (int x = 0; x < stride - 3; x++) {
-            int d = second_difference(row + x, 1);
-            along[(long)y * stride + x] = d ^ d >> 31;
+            int d = second_difference(raw + x, 1);
+            along[x] = d ^ d >> 31;
         }
         if (y < rows - 3)
             for (int x = 0; x < stride; x++) {
-                int d = second_difference(row + x, stride);
-                down[(long)y * stride + x] = d ^ d >> 31;
+                int d = second_difference(raw + x, stride);
+                down[x] = d ^ d >> 31;
             }
     }
 }
 
-/* 2 s of each quad; 0, or -1 if there is no memory. */
-int directions(const uint8_t *restrict raw, int width, int height, int8_t *restrict out)
+/* 2 s of each quad, from the variations. */
+void directions(const uint8_t *restrict along, const uint8_t *restrict down, int width, int height,
+                int8_t *restrict out)
 {
-    const int s = width + 2 * MARGIN, rows = height + 2 * MARGIN;
-    uint8_t *along = malloc((size_t)s * rows), *down = malloc((size_t)s * rows);
-    if (along && down) {
-        variations(raw, s, rows, along, down);
-        for (int y = 0; y < height - 1; y++)
-            for (int x = 0; x < width - 1; x++) {
-                const uint8_t *a = along + (long)y * s + x, *b = down + (long)y * s + x;
-                int h = a[s + 1] + a[2 * s] + a[2 * s + 1] + a[2 * s + 2]
-                        + a[3 * s] + a[3 * s + 1] + a[3 * s + 2] + a[4 * s + 1];
-                int v = b[s + 1] + b[2] + b[s + 2] + b[2 * s + 2]
-                        + b[3] + b[s + 3] + b[2 * s + 3] + b[s + 4];
-                int rowwise = 2 * h + BIAS <= v ? 2 : 4 * h + BIAS <= 3 * v;
-                int columnwise = 2 * v + BIAS <= h ? 2 : 4 * v + BIAS <= 3 * h;
-                out[(long)y * width + x] = rowwise - columnwise;
-            }
-    }
-    free(along);
-    free(down);
-    return along && down ? 0 : -1;
+    const int s = width + 2 * MARGIN;
+    for (int y = 0; y < height - 1; y++, along += s, down += s, out += width)
+        for (int x = 0; x < width - 1; x++) {
+            const uint8_t *a = along + x, *b = down + x;
+            int h = a[s + 1] + a[2 * s] + a[2 * s + 1] + a[2 * s + 2]
+                    + a[3 * s] + a[3 * s + 1] + a[3 * s + 2] + a[4 * s + 1];
+            int v = b[s + 1] + b[2] + b[s + 2] + b[2 * s + 2]
+                    + b[3] + b[s + 3] + b[2 * s + 3] + b[s + 4];
+            int rowwise = 2 * h + BIAS <= v ? 2 : 4 * h + BIAS <= 3 * v;
+            int columnwise = 2 * v + BIAS <= h ? 2 : 4 * v + BIAS <= 3 * h;
+            out[x] = rowwise - columnwise;
+        }
 }
 
 /* The middle second differences of each quad, along rows and along columns. */

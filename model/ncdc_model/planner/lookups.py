@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ncdc_model.golden.corrector import window_bands
+from ncdc_model.correction import correction_of
 from ncdc_spec.geometry import scan_order
 from ncdc_spec.hardware import check_lanes
 from ncdc_spec.interpolation import FAST, Interpolation
@@ -90,12 +90,7 @@ class Lookups:
 
 def frame_windows(descriptor, progress=lambda done, total: None):
     """:class:`Windows` of a trained map; ``progress(done, total)`` counts corrected rows."""
-    width, height = descriptor.geometry.corrected
-    x0, y0 = np.empty((2, height, width), _POSITION)
-    used = np.empty((height, width), bool)
-    for rows, columns, lines, _, _, valid in window_bands(descriptor):
-        x0[rows], y0[rows], used[rows] = columns, lines, valid
-        progress(rows.stop, height)
+    x0, y0, used = correction_of(descriptor).corners(progress)
     geometry = descriptor.geometry
     return Windows(x0, y0, used, geometry.interpolation, geometry.distorted)
 

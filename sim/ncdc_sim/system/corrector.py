@@ -5,8 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from ncdc_hdl.export.verilog import corrector_verilog
-from ncdc_model.correction import correct
-from ncdc_model.golden.colour import ColourSums, coloured
+from ncdc_model.correction import coloured, correct
+from ncdc_model.golden.colour import ColourSums
 from ncdc_model.golden.corrector import check_raw
 from ncdc_model.planner.lookups import frame_windows, lookups
 from ncdc_model.planner.tags import accesses, misses

@@ -5,8 +5,7 @@ from pathlib import Path
 import cv2
 import numpy as np
 
-from ncdc_model.golden.corrector import window_bands
-from ncdc_model.golden.network import frame_coordinates
+from ncdc_model.correction import correction_of, frame_coordinates
 from ncdc_spec.errors import InputError
 from ncdc_spec.files import replace_file
 
@@ -23,7 +22,7 @@ def remap_tables(descriptor):
     They are the integer network's coordinates, as in the hardware, without loss. Pixels that the
     hardware leaves blank have -16: ``cv2.remap`` gives them the border colour.
     """
-    blank = ~np.concatenate([band[-1] for band in window_bands(descriptor)])
+    blank = correction_of(descriptor).blank
     scale = 2.0**-descriptor.formats.coordinate.f_bits
     return tuple(np.where(blank, _NOWHERE, raw * scale).astype(np.float32)
                  for raw in frame_coordinates(descriptor))
