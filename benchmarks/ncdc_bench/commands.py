@@ -4,6 +4,7 @@ from ncdc_bench.accuracy import command as accuracy
 from ncdc_bench.client import command as client
 from ncdc_bench.grid import command as grid
 from ncdc_bench.lines import command as lines
+from ncdc_bench.model import command as model
 from ncdc_bench.network import command as network
 from ncdc_bench.nodes import command as nodes
 from ncdc_bench.photos import command as photos
@@ -17,7 +18,7 @@ from ncdc_bench.window import command as window
 
 __all__ = ["BENCHES"]
 
-BENCHES = {"accuracy": accuracy, "client": client, "grid": grid, "lines": lines,
+BENCHES = {"accuracy": accuracy, "client": client, "grid": grid, "lines": lines, "model": model,
            "network": network, "nodes": nodes, "photos": photos, "pictures": pictures,
            "synth": synth, "system": system, "tansig": tansig, "throughput": throughput,
            "truth": truth, "window": window}

@@ -61,6 +61,7 @@ class MovingScene:
                                     ((v - height / 2) * scale).astype(np.float32)).astype(np.uint8))
         self._world = cv2.GaussianBlur(np.concatenate(painted), (3, 3), 0)
         self._map = inverse_map(descriptor)
+        self._frames = {}       # by position: all of them take as much as five pictures
 
     def position(self, number):
         """Which of the pictures frame ``number`` shows: each one twice."""
@@ -68,6 +69,11 @@ class MovingScene:
 
     def raw(self, position):
         """Raw uint8 (height, width) frame of that light at the reference exposure."""
+        if position not in self._frames:
+            self._frames[position] = self._painted(position)
+        return self._frames[position]
+
+    def _painted(self, position):
         angle = 2 * np.pi * position / POSITIONS
         swing = _SWING * self._geometry.corrected_width
         x = self._map[0] + np.float32(self._margin + swing * np.sin(angle))

@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 
+import cv2
 import numpy as np
 
 from ncdc_model.images import mosaic
@@ -52,7 +53,8 @@ def expose(light, exposure, bayer, seed):
         return _captured(raw, bayer, exposure.raw_gains)
     if raw.dtype == np.uint8:
         return raw
-    return np.clip(np.floor(raw + np.float32(0.5)), 0, 255).astype(np.uint8)
+    raw += np.float32(0.5)
+    return np.clip(np.floor(raw, out=raw), 0, 255, out=raw).astype(np.uint8)
 
 
 def _sent(light, exposure, bayer, seed):
@@ -62,12 +64,14 @@ def _sent(light, exposure, bayer, seed):
     scale = np.float32(exposure.factor * exposure.gain)
     if scale == 1 and not exposure.noise:
         return light
-    raw = light * scale
+    levels = np.arange(256, dtype=np.float32) * scale
+    raw = cv2.LUT(light, levels)
     if exposure.noise:
-        variance = raw * np.float32(_SHOT * exposure.gain) + np.float32(
-            (exposure.noise * exposure.gain)**2)
+        deviation = np.sqrt(levels * np.float32(_SHOT * exposure.gain)
+                            + np.float32((exposure.noise * exposure.gain)**2))
         random = np.random.default_rng(seed).standard_normal(light.shape, np.float32)
-        raw += random * np.sqrt(variance)
+        random *= cv2.LUT(light, deviation)
+        raw += random
     return raw
 
 

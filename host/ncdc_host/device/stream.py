@@ -5,6 +5,7 @@ import random
 import socket
 import threading
 import time
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 
 from ncdc_spec.protocols import gvsp
@@ -55,7 +56,7 @@ class Stream:
     seed : int
         Seed of the random choice of those packets.
     observe : callable
-        Called as ``observe(frame)`` with each :class:`~ncdc_host.device.camera.Frame` that was
+        Called as ``observe(frame)`` with each :class:`~ncdc_host.device.camera.Frame` before it is
         sent.
 
     Attributes
@@ -142,24 +143,28 @@ class Stream:
         self.resent += count
 
     def _run(self, stop, single, done):
-        number = 0
-        receiver = self._receiver
+        receiver, triggers = self._receiver, self._triggers
         self._set_fragment(receiver.fragment)
-        triggers = self._triggers
-        while not stop.is_set():
-            if triggers is not None and not triggers.wait(_TRIGGER_SECONDS):
-                continue
-            frame = self._camera.following(number, stop, triggers is not None)
-            if frame is None:
-                break
-            number = frame.number
-            self._send_frame(frame, receiver, stop)
-            self._observe(frame)
-            if triggers is not None:
-                triggers.clear()
-            if single:
-                done()
-                break
+        number, following = 0, None
+        with ThreadPoolExecutor(1) as maker:
+            while not stop.is_set():
+                if triggers is not None and not triggers.wait(_TRIGGER_SECONDS):
+                    continue
+                frame = (following.result() if following else
+                         self._camera.following(number, stop, triggers is not None))
+                if frame is None:
+                    break
+                number = frame.number
+                self._observe(frame)
+                if triggers is None and not single:
+                    # The next frame is made while this one is on the line.
+                    following = maker.submit(self._camera.following, number, stop)
+                self._send_frame(frame, receiver, stop)
+                if triggers is not None:
+                    triggers.clear()
+                if single:
+                    done()
+                    break
 
     def _send_frame(self, frame, receiver, stop):
         self._block = self._block % 0xFFFF + 1

@@ -1,0 +1,126 @@
+"""Processor time of the models for a frame, next to OpenCV's flow of the same quality."""
+
+import time
+from contextlib import contextmanager
+from dataclasses import replace
+
+import cv2
+import numpy as np
+
+from ncdc_bench.throughput.lenses import Lens, trained
+from ncdc_host.device.camera import picture_of
+from ncdc_host.device.light import MovingScene
+from ncdc_host.device.registers import Settings, View
+from ncdc_host.device.sensor import Exposure, expose
+from ncdc_model.correction import COMPILED, MODELS, Correction
+from ncdc_model.example import example_camera, scene_light
+from ncdc_model.images import demosaic, mosaic
+from ncdc_model.remap_tables import remap_tables
+from ncdc_spec.descriptor import Descriptor
+from ncdc_spec.geometry import Geometry, ValidRows
+from ncdc_spec.interpolation import DIRECTIONAL, INTERPOLATIONS
+from ncdc_spec.pixel_formats import BGR8
+
+__all__ = ["SIZES", "device_row", "lens_of", "model_rows"]
+
+SIZES = (640, 480), (1280, 1024), (1920, 1080)
+_TRAINED = Lens(105, SIZES[0])
+_FRAMES = 9             # the fastest of them counts: others share the machine
+_DEVICE = SIZES[1]      # of the emulated device
+
+
+def lens_of(size, interpolation):
+    """The descriptor of a wide-angle lens: one network, its coordinates scaled to the ``size``."""
+    base = trained(_TRAINED).network
+    scale = np.divide(size, _TRAINED.size)
+    network = replace(base, output_weights=base.output_weights * scale[:, None],
+                      output_biases=(base.output_biases + .5) * scale - .5)
+    geometry = Geometry(*size, *size, interpolation=interpolation)
+    v, u = np.indices(size[::-1])
+    inside = geometry.window_inside(*network(*geometry.normalise(u, v)))
+    return Descriptor.quantise(network, geometry, ValidRows.of_mask(inside))
+
+
+def model_rows(sizes=SIZES, progress=lambda name: None):
+    """Rows of both models for each interpolation and size.
+
+    Yields
+    ------
+    dict
+        ``size``, ``interpolation``, ``model``; ``milliseconds`` of processor time for a frame, and
+        ``map_milliseconds`` for the map of its lens; ``opencv_milliseconds`` of OpenCV's
+        demosaicing (VNG) and bilinear remapping by the same map, on one thread;
+        ``bits_different`` of the picture, from the reference's.
+    """
+    for size in sizes:
+        light = cv2.resize(np.float32(scene_light(example_camera())), size)
+        raw = mosaic(np.clip(light + .5, 0, 255).astype(np.uint8), "RGGB")
+        opencv = None
+        for interpolation in INTERPOLATIONS.values():
+            descriptor = lens_of(size, interpolation)
+            opencv = opencv or _opencv_milliseconds(raw, descriptor)
+            pictures = {}
+            for model in reversed(MODELS):
+                progress(f"{size[0]}x{size[1]} {interpolation.name} {model}")
+                count = _FRAMES if model == COMPILED else 1
+                map_milliseconds = _milliseconds(lambda: Correction(descriptor, model).blank, count)
+                correction = Correction(descriptor, model)
+                pictures[model] = correction(raw).picture
+                milliseconds = _milliseconds(lambda: correction(raw), count)
+                different = np.bitwise_count(pictures[model] ^ next(iter(pictures.values())))
+                yield {"size": "x".join(map(str, size)), "interpolation": interpolation.name,
+                       "model": model, "milliseconds": milliseconds,
+                       "map_milliseconds": map_milliseconds, "opencv_milliseconds": opencv,
+                       "bits_different": int(different.sum(dtype=np.int64))}
+
+
+def device_row(interpolation=DIRECTIONAL):
+    """Processor time of the emulated device for a corrected picture that it has not made before:
+    light, noise, correction and packing, but not the packets.
+
+    Returns
+    -------
+    dict
+        ``size``, ``interpolation``, ``milliseconds``, ``frames_per_second`` of one core.
+    """
+    descriptor = lens_of(_DEVICE, interpolation)
+    scene, correction = MovingScene(descriptor), Correction(descriptor)
+    settings = Settings(View(BGR8, 0, 0, *_DEVICE), 0, 1, 8, 0, 1)
+    light, seeds = scene.raw(0), iter(range(_FRAMES + 1))
+
+    def frame():
+        raw = expose(light, Exposure(1, 1, 0, 1.0), descriptor.geometry.bayer, next(seeds))
+        picture_of(raw, settings, correction)
+    frame()
+    milliseconds = _milliseconds(frame, _FRAMES)
+    return {"size": "x".join(map(str, _DEVICE)), "interpolation": interpolation.name,
+            "milliseconds": milliseconds, "frames_per_second": 1000 / milliseconds}
+
+
+def _opencv_milliseconds(raw, descriptor):
+    tables = remap_tables(descriptor)
+    with _one_thread():
+        return _milliseconds(
+            lambda: cv2.remap(demosaic(raw, descriptor.geometry.bayer, "vng"), *tables,
+                              cv2.INTER_LINEAR, borderMode=cv2.BORDER_CONSTANT), _FRAMES)
+
+
+@contextmanager
+def _one_thread():
+    """OpenCV uses one thread in the block."""
+    threads = cv2.getNumThreads()
+    cv2.setNumThreads(1)
+    try:
+        yield
+    finally:
+        cv2.setNumThreads(threads)
+
+
+def _milliseconds(work, count):
+    """Processor time of the fastest of ``count`` calls."""
+    times = []
+    for _ in range(count):
+        begin = time.process_time()
+        work()
+        times.append(time.process_time() - begin)
+    return 1000 * min(times)
