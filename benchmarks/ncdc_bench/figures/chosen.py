@@ -183,6 +183,12 @@ def _condition(row):
     return "linear" if row["linear"] else f"noise_{row['noise']:g}" if row["noise"] else "plain"
 
 
+def _model(report):
+    rows = {_slug(row["size"], row["interpolation"], row["model"]): {
+        **row, "seconds": row["milliseconds"] / 1000} for row in report["rows"]}
+    return {"rows": rows, "device": report["device"]}
+
+
 @dataclass(frozen=True)
 class Group:
     """The figures that pages may quote of one command.
@@ -253,6 +259,8 @@ GROUPS = {
     "grid": Group("ncdc bench grid tests/data/dots/dot_pattern_06.jpg", ("blur_px",), _grid),
     "pictures": Group("ncdc bench pictures rover.png street.jpg chessboard.jpg --set kodak "
                       "--set mcmaster", ("psnr_lanczos_db",), _pictures),
+    "model": Group("ncdc bench model", ("device", "map_milliseconds"), _model,
+                   lambda report: len({row["size"] for row in report["rows"]}) > 1),
     "system": Group("ncdc bench system --quick", ("follow_bound_clocks", "frames_torn"), _system),
     "accuracy": Group(f"ncdc bench accuracy --lens {_LENSES} --neurons 10 --model pbm6-shared "
                       "pbm6-separate brown5 opencv-fisheye opencv-full mesh8-bilinear "
