@@ -13,7 +13,7 @@ from ncdc_host.device.light import MovingScene
 from ncdc_host.device.registers import Settings, View
 from ncdc_host.device.sensor import Exposure, expose
 from ncdc_model.correction import COMPILED, MODELS, Correction
-from ncdc_model.example import example_camera, scene_light
+from ncdc_model.example import BAYER, example_camera, scene_light
 from ncdc_model.images import demosaic, mosaic
 from ncdc_model.remap_tables import remap_tables
 from ncdc_spec.descriptor import Descriptor
@@ -52,9 +52,9 @@ def model_rows(sizes=SIZES, progress=lambda name: None):
         demosaicing (VNG) and bilinear remapping by the same map, on one thread;
         ``bits_different`` of the picture, from the reference's.
     """
+    scene = np.float32(scene_light(example_camera()))
     for size in sizes:
-        light = cv2.resize(np.float32(scene_light(example_camera())), size)
-        raw = mosaic(np.clip(light + .5, 0, 255).astype(np.uint8), "RGGB")
+        raw = mosaic(np.clip(cv2.resize(scene, size) + .5, 0, 255).astype(np.uint8), BAYER)
         opencv = None
         for interpolation in INTERPOLATIONS.values():
             descriptor = lens_of(size, interpolation)
