@@ -14,7 +14,7 @@ from ncdc_spec.interpolation import DIRECTIONAL
 
 __all__ = ["CompiledCorrector"]
 
-_SOURCE = np.dtype([("place", np.int32), ("fx", np.int32), ("fy", np.int32)])  # struct source
+_SOURCE = np.dtype([("corner", np.int32), ("fx", np.int32), ("fy", np.int32)])  # struct source
 
 
 class _Blending(ctypes.Structure):
@@ -52,7 +52,7 @@ class CompiledCorrector:
         library().sources(pointer(x), pointer(y), pointer(valid), valid.size,
                           int(needs.offset * (1 << self._f_bits)), self._f_bits, needs.core,
                           *geometry.distorted, *geometry.phase, pointer(self._sources))
-        self.first = self._sources["place"] >> 2
+        self.first = self._sources["corner"] >> 2
         self._lock = threading.Lock()       # of the arrays below
         self._arrays = {}       # of a frame: to get them anew takes a sixth of its time
 

@@ -17,7 +17,7 @@
 #define BATCH 64
 
 struct source {                 /* where a corrected pixel comes from */
-    int32_t place;              /* 4 at + 2 below + right, see at(); below zero: blank */
+    int32_t corner;             /* 4 at + 2 below + right, see at(); below zero: blank */
     int32_t fx, fy;             /* fractions after the first corner */
 };
 
@@ -49,7 +49,7 @@ void sources(const int32_t *x, const int32_t *y, const uint8_t *valid, int count
     }
 }
 
-/* Colours of the quad of 2x2 samples at each place, in halves; the fourth one is not used. */
+/* Colours of the quad of 2x2 samples from each one on, in halves; the fourth one is not used. */
 void fast_colours(const uint8_t *restrict raw, int width, int height, int red_column, int red_row,
                   int16_t (*restrict out)[4])
 {
@@ -221,7 +221,7 @@ static inline int crest_weight(int32_t fraction, int f_bits)
 /* Index of the first corner of a pixel; of a blank one 0, so that it can be computed as others. */
 static inline int32_t at(const struct source *s)
 {
-    return s->place < 0 ? 0 : s->place >> 2;
+    return s->corner < 0 ? 0 : s->corner >> 2;
 }
 
 static inline int32_t crest(const struct blending *b, const struct source *s)
@@ -261,7 +261,7 @@ static void finish(const struct blending *b, const struct batch *from, const str
     }
     for (int n = 0; n < count; n++)
         for (int k = 0; k < 3; k++)
-            out[n][k] = s[n].place < 0 ? b->fill[k] : plane[k][n];
+            out[n][k] = s[n].corner < 0 ? b->fill[k] : plane[k][n];
 }
 
 /* Pixels between the colours of their four corners. */
@@ -269,15 +269,15 @@ void blend(const struct blending *b, const struct source *s, int count,
            const int16_t (*restrict colours)[4], uint8_t (*restrict out)[3])
 {
     struct batch batch = {0};
-    int16_t corner[4][BATCH][4] = {0};
+    int16_t around[4][BATCH][4] = {0};
     for (int left = 0; left < count; left += BATCH, s += BATCH, out += BATCH) {
         const int pixels = count - left < BATCH ? count - left : BATCH;
         for (int n = 0; n < pixels; n++) {
             const int16_t (*upper)[4] = colours + at(s + n), (*lower)[4] = upper + b->width;
-            memcpy(corner[0][n], upper[0], sizeof *upper);
-            memcpy(corner[1][n], upper[1], sizeof *upper);
-            memcpy(corner[2][n], lower[0], sizeof *upper);
-            memcpy(corner[3][n], lower[1], sizeof *upper);
+            memcpy(around[0][n], upper[0], sizeof *upper);
+            memcpy(around[1][n], upper[1], sizeof *upper);
+            memcpy(around[2][n], lower[0], sizeof *upper);
+            memcpy(around[3][n], lower[1], sizeof *upper);
             batch.fx[n] = s[n].fx;
             batch.fy[n] = s[n].fy;
             batch.crest[n] = crest(b, s + n);
@@ -285,7 +285,7 @@ void blend(const struct blending *b, const struct source *s, int count,
         for (int j = 0; j < 4; j++)
             for (int n = 0; n < BATCH; n++)
                 for (int k = 0; k < 3; k++)
-                    batch.colour[k][j][n] = corner[j][n][k];
+                    batch.colour[k][j][n] = around[j][n][k];
         finish(b, &batch, s, pixels, out);
     }
 }
@@ -310,7 +310,7 @@ void blend_directional(const struct blending *b, const struct source *s, int cou
     for (int left = 0; left < count; left += BATCH, s += BATCH, out += BATCH) {
         const int pixels = count - left < BATCH ? count - left : BATCH;
         for (int n = 0; n < pixels; n++) {
-            const int right = s[n].place & 1, below = s[n].place >> 1 & 1;
+            const int right = s[n].corner & 1, below = s[n].corner >> 1 & 1;
             const int32_t first = at(s + n);
             const int32_t row = first + below * b->width, other = first + (1 - below) * b->width;
             memcpy(red[n], terms[row + right], sizeof *terms);
