@@ -221,6 +221,7 @@ CAPABILITIES = (
     Capability("soc run: a network of its own", programs=("unshare", "nsenter", "ip"),
                checks=(_namespaces, _tap)),
     Capability("device serve", checks=(_gvcp,)),
+    Capability("correct with films", "video"),
     Capability("client with gige://", "client"),
     Capability("client with aravis://", checks=(_aravis,)),
     Capability("client with usb://", "usb"),

@@ -10,10 +10,11 @@ from ncdc_spec.errors import InputError
 from ncdc_spec.files import replace_file
 from ncdc_spec.geometry import BAYER_PHASE, MONO
 
-__all__ = ["ANIMATIONS", "check_animation", "check_suffix", "demosaic", "is_raw", "mosaic",
-           "read_image", "write_animation", "write_image"]
+__all__ = ["ANIMATIONS", "FILMS", "check_animation", "check_suffix", "demosaic", "is_film",
+           "is_raw", "mosaic", "read_image", "write_animation", "write_image"]
 
 ANIMATIONS = (".png", ".webp", ".gif")
+FILMS = (".mp4", ".m4v", ".mov", ".mkv", ".webm", ".avi")
 
 # OpenCV names a pattern by the 2x2 block that starts at the second row and column, so that its
 # "BG" is the pattern whose first two samples are R, G.
@@ -85,6 +86,11 @@ def write_animation(path, frames, milliseconds):
     content = cv2.imencodeanimation(Path(path).suffix.lower(), animation)[1]
     with replace_file(path) as temporary:
         temporary.write_bytes(content.tobytes())
+
+
+def is_film(path):
+    """Whether the suffix of ``path`` is one of :data:`FILMS`; see :mod:`ncdc_model.film`."""
+    return Path(path).suffix.lower() in FILMS
 
 
 def is_raw(image):

@@ -71,6 +71,11 @@ class RawDump:
         """Bytes of the samples of a row, without the padding up to the stride."""
         return _row_bytes(self.width, self.bits, self.packed)
 
+    @property
+    def frame_bytes(self):
+        """Bytes of a frame."""
+        return (self.stride or self.row_bytes) * self.height
+
     def read(self, path, warn):
         """Frame of the file ``path``: uint8 (height, width), its upper eight bits.
 
@@ -83,22 +88,31 @@ class RawDump:
             number, or holds a sample of more bits.
         """
         content = read_bytes(path)
-        number = self._number(path, content, warn)
-        stride = self.stride or self.row_bytes
-        length = stride * self.height
-        rows = np.frombuffer(content, np.uint8)[(number - 1) * length:number * length]
-        rows = rows.reshape(self.height, stride)[:, :self.row_bytes]
+        first = (self._number(path, content, warn) - 1) * self.frame_bytes
+        return self.unpacked(content[first:first + self.frame_bytes], path, warn)
+
+    def unpacked(self, content, name, warn):
+        """Frame of ``content``, :attr:`frame_bytes` bytes: uint8 (height, width), upper eight bits.
+
+        ``warn``: as of :meth:`read`.
+
+        Raises
+        ------
+        InputError
+            If it holds a sample of more bits; ``name`` says in which file.
+        """
+        rows = np.frombuffer(content, np.uint8).reshape(self.height, -1)[:, :self.row_bytes]
         if self.packed:
             samples, size = _PACKED[self.bits]
             groups = rows.reshape(self.height, -1, size)[:, :, :samples]
             return np.ascontiguousarray(groups.reshape(self.height, -1)[:, :self.width])
         if self.bits == 8:
             return np.ascontiguousarray(rows)
-        return eight_bits(np.ascontiguousarray(rows).view("<u2"), None, self.bits, path, warn)
+        return eight_bits(np.ascontiguousarray(rows).view("<u2"), None, self.bits, name, warn)
 
     def _number(self, path, content, warn):
         """Number of the frame of ``content`` to read, from 1; checks the length of the file."""
-        length = (self.stride or self.row_bytes) * self.height
+        length = self.frame_bytes
         count, rest = divmod(len(content), length)
         # Two frames of 8 bits have the length of one of two bytes a sample: the user must choose.
         if rest or not count or count == 2 and self.bits == 8 and self.frame is None:

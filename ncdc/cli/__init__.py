@@ -61,12 +61,19 @@ def _top():
     return top, top.add_subparsers(dest="command", metavar="COMMAND", required=True)
 
 
+def _to_folder(args):
+    """Whether --output is a folder: of some commands always, of others for several pictures."""
+    images = getattr(args, "image", None)
+    return args.command in _TO_FOLDER or (
+        isinstance(images, list) and (len(images) > 1 or not os.path.isfile(images[0])))
+
+
 def _files(args):
     """Output and input files among a command's arguments, and outputs that may be streams."""
     given = vars(args)
     streams = [given["json"]] if given.get("json") not in (None, "-") else []
     outputs = []
-    if args.command not in _TO_FOLDER and given.get("output"):
+    if not _to_folder(args) and given.get("output"):
         outputs.append(given["output"])
     outputs += [given[name] for name in ("vcd", "fst") if given.get(name)]
     inputs = []

@@ -1,14 +1,16 @@
-"""``ncdc correct``: corrects an image with a bit-exact model of the hardware."""
+"""``ncdc correct``: corrects pictures and films with a bit-exact model of the hardware."""
 
 import sys
 from functools import cache
 
 from ncdc.cli.colour import add_colour, colour_choice, colour_line, colour_report
 from ncdc.cli.common import add_json, add_samples, raw_frame, write_report
+from ncdc.cli.sequence import FILM_MODES, correct_files, correct_film, correct_stream, listed
 from ncdc.terminal import Progress, percent, say
 from ncdc_model.correction import MODELS, coloured, correct, default_model
-from ncdc_model.images import check_suffix, write_image
+from ncdc_model.images import check_suffix, is_film, write_image
 from ncdc_spec.descriptor import Descriptor
+from ncdc_spec.errors import InputError
 from ncdc_spec.interpolation import CRESTS
 from ncdc_spec.raw_gains import NO_RAW_GAINS
 
@@ -20,13 +22,23 @@ EXAMPLE = "ncdc correct net.toml frame.png -o corrected.png"
 def add_arguments(parser) -> None:
     """Declare the command's arguments on an argparse parser."""
     parser.add_argument("descriptor", metavar="NET", help="descriptor of ncdc train")
-    parser.add_argument("image", metavar="IMAGE",
-                        help="raw Bayer frame (one channel), or a colour picture to be mosaiced")
-    parser.add_argument("-o", "--output", required=True, metavar="OUT", help="corrected picture")
+    parser.add_argument("image", metavar="IMAGE", nargs="+",
+                        help="raw Bayer frame (one channel), or a colour picture to be mosaiced; "
+                             "several of them, a folder or a pattern as 'frames/*.png'; a film; - "
+                             "for raw frames on standard input, which need --raw")
+    parser.add_argument("-o", "--output", required=True, metavar="OUT",
+                        help="corrected picture; of several a folder; of raw frames on standard "
+                             "input a film, or - for bare RGB bytes on standard output")
     parser.add_argument("--model", choices=MODELS,
                         help="compiled: C functions, which need a C compiler (default, if there is "
                              "one); reference: NumPy, which takes a hundred times as long; both "
                              "give the same bits")
+    film = parser.add_argument_group("films")
+    film.add_argument("--film", choices=FILM_MODES, default=FILM_MODES[0],
+                      help="bilinear (default), lanczos: remapped in their colours, not by the "
+                           "hardware's arithmetic; mosaic: mosaiced, then corrected as raw frames")
+    film.add_argument("--fps", type=float, default=30.0, metavar="F",
+                      help="frames per second of raw frames on standard input (default: 30)")
     add_colour(parser.add_argument_group("colour"))
     add_samples(parser.add_argument_group("samples of the file"))
     add_json(parser)
@@ -34,10 +46,23 @@ def add_arguments(parser) -> None:
 
 def run(args) -> None:
     """Correct, write, report."""
+    images = listed(args.image)
+    if images == ["-"]:
+        return correct_stream(args)
+    if films := [path for path in images if is_film(path)]:
+        if len(images) > 1:
+            raise InputError(f"{films[0]} is a film, which is corrected alone")
+        return correct_film(args, films[0])
+    if images != args.image or len(images) > 1:
+        return correct_files(args, images)
+    return _correct_one(args, images[0])
+
+
+def _correct_one(args, path):
     check_suffix(args.output)
     choice = colour_choice(args)
     descriptor = Descriptor.load(args.descriptor)
-    raw, note = raw_frame(args.image, descriptor.geometry, args.raw, args.bits)
+    raw, note = raw_frame(path, descriptor.geometry, args.raw, args.bits)
     model = args.model or default_model(say)
 
     @cache

@@ -26,7 +26,7 @@ from ncdc_model.golden import network
 from ncdc_spec.colour import Colour
 from ncdc_spec.errors import InputError
 from ncdc_spec.fixed import Q
-from ncdc_spec.formats import Formats
+from ncdc_spec.formats import MAX_NEURONS, Formats
 from ncdc_spec.geometry import BAYERS, MONO, ValidRows
 from ncdc_spec.interpolation import DIRECTIONAL, FAST, GRADIENT, INTERPOLATIONS
 from ncdc_spec.nodes import NODES, nodes_fit
@@ -63,8 +63,10 @@ def random_descriptor(rng):
     if rng.random() < .5:
         values = replace(values, skip_weights=rng.uniform(-30, 30, (2, 2)))
     if rng.random() < .3:
-        values = replace(values, hidden_weights=rng.uniform(-7, 7, values.hidden_weights.shape),
-                         output_weights=rng.uniform(-80, 80, values.output_weights.shape))
+        shape, scale = values.output_weights.shape, rng.choice([80, 2000])
+        values = replace(values, hidden_weights=rng.uniform(-7, 7, shape[::-1]),
+                         hidden_biases=rng.uniform(-15, 15, shape[1]),
+                         output_weights=rng.uniform(-scale, scale, shape))
     valid = lens.valid
     if rng.random() < .3:
         valid = ValidRows.of_mask(rng.random(sizes[0][::-1]) < .8)
@@ -120,18 +122,33 @@ def test_500_random_descriptors_and_frames():
     assert sum(bits_different(rng) for _ in range(500)) == 0
 
 
+def lens_of_nets(nets, weights, variant="mmhbc", bits=20):
+    """A descriptor whose hidden neurons have these nets at every pixel, raw in Q5.19.
+
+    Its coordinates show the last bit of each tan-sigmoid.
+    """
+    lens = barrel_descriptor((8, 8), (8, 8), hidden_neurons=len(nets))
+    values = replace(lens.network, hidden_weights=np.zeros((len(nets), 2)),
+                     hidden_biases=np.asarray(nets) / 2**19, output_weights=weights)
+    formats = replace(Formats().with_tansig_bits(bits), coordinate=Q(14, 18))
+    return type(lens).quantise(values, lens.geometry, lens.valid, formats, variant=variant)
+
+
 @pytest.mark.parametrize("variant", VARIANTS)
 @pytest.mark.parametrize("bits", FRACTION_BITS)
-def test_every_region_of_the_tan_sigmoid(variant, bits):
-    """One neuron whose net takes 4,000 values over its whole range and beyond."""
-    lens = barrel_descriptor((4000, 8), hidden_neurons=1)
-    values = replace(lens.network, hidden_weights=np.array([[7.9, 0]]),
-                     hidden_biases=np.array([9.]), output_weights=np.array([[2000.], [-2000.]]))
-    for bias in (-9., 9.):
-        values = replace(values, hidden_biases=np.array([bias]))
-        steep = type(lens).quantise(values, lens.geometry, lens.valid,
-                                    Formats().with_tansig_bits(bits), variant=variant)
-        np.testing.assert_array_equal(frame_coordinates(steep), network.frame_coordinates(steep))
+def test_the_tan_sigmoid_around_whole_numbers_and_everywhere(variant, bits):
+    whole, rng = np.arange(-16, 16) << 19, np.random.default_rng(4)
+    nets = np.concatenate([whole, whole + 1, whole - 1, [2**23 - 1],
+                           rng.integers(-2**23, 2**23, 255)])
+    for few in np.array_split(np.maximum(nets, -2**23), len(nets) // MAX_NEURONS + 1):
+        lens = lens_of_nets(few, rng.uniform(-200, 200, (2, len(few))), variant, bits)
+        np.testing.assert_array_equal(frame_coordinates(lens), network.frame_coordinates(lens))
+
+
+def test_coordinates_saturate():
+    lens = lens_of_nets([2**23 - 1] * 8, np.array([[2000.], [-2000.]]).repeat(8, axis=1))
+    x, y = frame_coordinates(lens)
+    assert (x == lens.formats.coordinate.hi).all() and (y == lens.formats.coordinate.lo).all()
 
 
 def test_corners_are_those_of_both_models():

@@ -1,0 +1,191 @@
+"""Many pictures for ``ncdc correct``: files, a film, raw frames on standard input."""
+
+import sys
+import time
+from contextlib import contextmanager
+from glob import glob
+from pathlib import Path
+
+import cv2
+import numpy as np
+
+from ncdc.cli.colour import colour_choice, colour_line, colour_report, has_gains
+from ncdc.cli.common import raw_frame, write_report
+from ncdc.terminal import Progress, Steps, say
+from ncdc_model.correction import coloured, correct, correction_of, default_model
+from ncdc_model.images import FILMS, is_film, mosaic, write_image
+from ncdc_model.raw_dump import RawDump
+from ncdc_model.remap_tables import remap_tables
+from ncdc_spec.descriptor import Descriptor
+from ncdc_spec.errors import InputError
+from ncdc_spec.interpolation import CRESTS
+
+__all__ = ["FILM_MODES", "correct_film", "correct_files", "correct_stream", "listed"]
+
+_KERNELS = {"bilinear": cv2.INTER_LINEAR, "lanczos": cv2.INTER_LANCZOS4}
+_MOSAIC = "mosaic"
+FILM_MODES = (*_KERNELS, _MOSAIC)
+
+
+def listed(images):
+    """Paths of the pictures that arguments name: files, the files of folders, patterns.
+
+    Raises
+    ------
+    InputError
+        If a folder is empty or a pattern matches no file.
+    """
+    paths = []
+    for name in images:
+        if Path(name).is_dir():
+            found = sorted(str(path) for path in Path(name).iterdir()
+                           if path.is_file() and not path.name.startswith("."))
+        elif Path(name).exists() or not any(sign in name for sign in "*?["):
+            found = [name]
+        else:
+            found = sorted(glob(name))
+        if not found:
+            raise InputError(f"{name} names no file")
+        paths += found
+    return paths
+
+
+class _Sequence:
+    """Corrects frames by the options of the command, counts and times them."""
+
+    def __init__(self, args):
+        self.args, self._choice = args, colour_choice(args)
+        self.descriptor = Descriptor.load(args.descriptor)
+        self.model = args.model or default_model(say)
+        self.colour, self.count, self._begin = None, 0, time.monotonic()
+
+    @property
+    def rate(self):
+        """Frames per second so far."""
+        return self.count / max(time.monotonic() - self._begin, 1e-9)
+
+    def picture(self, raw):
+        """The corrected picture of a raw frame; one white balance, the first frame's, for all."""
+        corrected = correct(self.descriptor, raw, crest=CRESTS[self.args.crest], model=self.model)
+        if self._choice and not self.count:
+            self.colour = self._choice(corrected)
+        self.count += 1
+        return (coloured(corrected, self.colour, self.model) if self.colour else
+                corrected.picture)
+
+    def report(self, how, show=print):
+        """Write the report; ``how``: keys and values on how the pictures were made."""
+        report = {"hidden_neurons": self.descriptor.hidden_neurons, "pictures": self.count,
+                  "frames_per_second": self.rate, **how}
+        if self.colour:
+            report |= colour_report(self.args, self.colour)
+        if not write_report(report, self.args.json):
+            show(f"{self.args.output}: {self.count} pictures, "
+                 f"{'x'.join(map(str, self.descriptor.geometry.corrected))} pixels, "
+                 f"{self.rate:.1f} frames per second")
+            if self.colour:
+                show(colour_line(self.args, self.colour))
+
+
+def correct_files(args, paths):
+    """Correct picture files into the folder ``args.output``, each as PNG of its own name."""
+    folder = Path(args.output)
+    targets = [folder / f"{Path(path).stem}.png" for path in paths]
+    for path, target in zip(paths, targets):
+        if targets.count(target) > 1:
+            raise InputError(f"{target} would be written for {path} and for another picture")
+        if target.exists() and any(target.samefile(one) for one in paths if Path(one).exists()):
+            raise InputError(f"the output {target} would replace an input")
+    if folder.exists() and not folder.is_dir():
+        raise InputError(f"{folder} is no folder, several pictures need one")
+    sequence, progress, notes = _Sequence(args), Progress("correcting"), set()
+    for path, target in zip(paths, targets):
+        raw, note = raw_frame(path, sequence.descriptor.geometry, args.raw, args.bits)
+        if note and (text := note.removeprefix(path)) not in notes:
+            say(note)                   # once a kind, not once a file
+            notes.add(text)
+        write_image(target, sequence.picture(raw))
+        progress(sequence.count / len(paths))
+    sequence.report({"model": sequence.model})
+
+
+def correct_film(args, path):
+    """Correct the film ``path``, in its colours or as raw frames."""
+    from ncdc_model.film import change_film
+    if not is_film(args.output):
+        raise InputError(f"{path} is a film, {args.output} is none: films are written as one of "
+                         f"{', '.join(FILMS)}")
+    if args.film != _MOSAIC and (has_gains(args) or CRESTS[args.crest]):
+        raise InputError(f"the film is remapped in its colours ({args.film}): --crest, "
+                         f"--white-balance and --tone need --film {_MOSAIC}")
+    sequence = _Sequence(args)
+    geometry = sequence.descriptor.geometry
+    change = (sequence.picture if args.film == _MOSAIC else
+              _remapping(sequence, _KERNELS[args.film]))
+
+    def changed(picture):
+        if picture.shape[1::-1] != geometry.distorted:
+            raise InputError("{} has {}x{} pixels, the descriptor is for {}x{}".format(
+                path, *picture.shape[1::-1], *geometry.distorted))
+        return change(mosaic(picture, geometry.bayer) if args.film == _MOSAIC else picture)
+    say(f"{path}: its pictures are " + (
+        f"mosaiced as {geometry.bayer} and corrected as the hardware does" if args.film == _MOSAIC
+        else f"remapped in their colours ({args.film}), not by the hardware's arithmetic"))
+    change_film(path, args.output, geometry.corrected, changed, say, Progress("correcting"))
+    how = {"model": sequence.model} if args.film == _MOSAIC else {}
+    sequence.report({"film": args.film, **how})
+
+
+def _remapping(sequence, kernel):
+    """Function that remaps pictures of finished colours by the map of a descriptor."""
+    geometry = sequence.descriptor.geometry
+    tables = remap_tables(sequence.descriptor)
+    blank = correction_of(sequence.descriptor, sequence.model).blank.view(np.uint8)
+    fill = np.full((*blank.shape, 3), geometry.fill, np.uint8)
+
+    def remapped(picture):
+        sequence.count += 1
+        found = cv2.remap(picture, *tables, kernel, borderMode=cv2.BORDER_REPLICATE)
+        return cv2.copyTo(fill, blank, found)
+    return remapped
+
+
+def correct_stream(args):
+    """Correct raw frames on standard input into a film, or into bare RGB on standard output."""
+    if args.raw is None:
+        raise InputError("raw frames on standard input need --raw, as in --raw 1280x1024:RGGB:8")
+    if args.output == "-" == args.json:
+        raise InputError("-o - and --json - are given, standard output holds one of them")
+    if not args.fps > 0:
+        raise InputError(f"--fps is {args.fps:g}, it must be positive")
+    dump, sequence = RawDump.parse(args.raw), _Sequence(args)
+    geometry, shown = sequence.descriptor.geometry, Steps("correcting", quiet=True)
+    if dump.bayer != geometry.bayer:
+        raise InputError(f"the raw frames have the pattern {dump.bayer}, the descriptor "
+                         f"{geometry.bayer}")
+    with _sink(args, geometry.corrected) as write:
+        while content := sys.stdin.buffer.read(dump.frame_bytes):
+            if len(content) < dump.frame_bytes:
+                say(f"the last frame is left out, it has {len(content)} of {dump.frame_bytes} "
+                    f"bytes")
+                break
+            write(sequence.picture(dump.unpacked(content, "standard input", say)))
+            shown(f"{sequence.count} frames, {sequence.rate:.1f} per second")
+    if not sequence.count:
+        raise InputError("standard input holds no frame")
+    sequence.report({"model": sequence.model}, say if args.output == "-" else print)
+
+
+@contextmanager
+def _sink(args, size):
+    """Yield the function that takes the corrected pictures of a stream."""
+    if args.output == "-":
+        yield lambda picture: sys.stdout.buffer.write(picture.tobytes())
+        sys.stdout.buffer.flush()
+        return
+    from fractions import Fraction
+
+    from ncdc_model.film import writing_film
+    rate = Fraction(args.fps).limit_denominator(1001)
+    with writing_film(args.output, size, rate) as film:
+        yield film.write
