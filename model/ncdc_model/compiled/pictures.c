@@ -3,9 +3,9 @@
  * What depends on samples alone is computed once a frame, at every sample; then each pixel blends
  * what is at its four corners. Integers only: the sums are exact in any order.
  *
- * `raw` is a frame with `margin` mirrored samples on every side; other arrays have no margin.
- * `width` and `height` are the frame's without it. What is at a sample, or at the quad that begins
- * there, has the index y * width + x.
+ * `raw` is a frame with MARGIN mirrored samples on every side, or none where it says so; `width`
+ * and `height` are the frame's without them. What is at a sample, or at the quad that begins there,
+ * has the index y * width + x. (red_column, red_row) is the parity of the red samples.
  */
 #include <stdint.h>
 #include <string.h>
@@ -13,8 +13,8 @@
 #define MARGIN 2                /* of the interpolations with windows of 6x6 samples */
 #define DROPPED 2               /* lowest bits of a sample that the decision ignores */
 #define BIAS 8                  /* by which one direction must be better */
-#define CREST_BITS 6
-#define BATCH 64
+#define CREST_BITS 6            /* fraction bits of the crest in grey levels */
+#define BATCH 64                /* pixels that are blended at a time */
 
 struct source {                 /* where a corrected pixel comes from */
     int32_t corner;             /* 4 at + 2 below + right, see at(); below zero: blank */
@@ -49,7 +49,8 @@ void sources(const int32_t *x, const int32_t *y, const uint8_t *valid, int count
     }
 }
 
-/* Colours of the quad of 2x2 samples from each one on, in halves; the fourth one is not used. */
+/* Colours of the quad of 2x2 samples from each one on, in halves; the fourth one is not used.
+ * `raw` has no margin. */
 void fast_colours(const uint8_t *restrict raw, int width, int height, int red_column, int red_row,
                   int16_t (*restrict out)[4])
 {
@@ -89,8 +90,8 @@ void grey_colours(const uint8_t *restrict raw, int width, int height, int16_t (*
 #define WIDE(c, s) ((c)[-(s) - 2] + (c)[-(s) + 2] + (c)[(s) - 2] + (c)[(s) + 2])
 
 /* Colours at each sample by gradient-corrected kernels, in sixteenths. */
-void gradient_colours(const uint8_t *restrict raw, int width, int height, int red_column, int red_row,
-                      int16_t (*restrict out)[4])
+void gradient_colours(const uint8_t *restrict raw, int width, int height, int red_column,
+                      int red_row, int16_t (*restrict out)[4])
 {
     const int stride = width + 2 * MARGIN;
     for (int y = 0; y < height; y++) {
@@ -119,8 +120,8 @@ void gradient_colours(const uint8_t *restrict raw, int width, int height, int re
 /* What the directional colours of each sample are made from, in sixteenths:
  * at red and blue: green and the other colour without direction, e, the own colour;
  * at green: a + b and a - b of the row's colour, a + b and a - b of the column's. */
-void directional_terms(const uint8_t *restrict raw, int width, int height, int red_column, int red_row,
-                       int16_t (*restrict out)[4])
+void directional_terms(const uint8_t *restrict raw, int width, int height, int red_column,
+                       int red_row, int16_t (*restrict out)[4])
 {
     const int stride = width + 2 * MARGIN;
     for (int y = 0; y < height; y++) {
@@ -202,8 +203,9 @@ void curvatures(const uint8_t *restrict raw, int width, int height, int16_t (*re
     }
 }
 
-struct blending {
-    int32_t f_bits, unit_bits;
+struct blending {               /* what all pixels of a frame share */
+    int32_t f_bits;             /* of a position between the corners */
+    int32_t unit_bits;          /* of the corners' colours */
     int32_t width;              /* of the raw frame */
     int32_t strength;           /* of the crest */
     const int16_t (*curvature)[2];      /* NULL without a crest */
@@ -297,7 +299,7 @@ static inline int times(int twice, int value)
 }
 
 /* The same between the directional colours: one direction for the four corners of a pixel. The
- * corners are taken by their colour, and the fractions turned round with them. */
+ * corners are taken by their colour, and the fractions reflected with them. `raw` has no margin. */
 void blend_directional(const struct blending *b, const struct source *s, int count,
                        const int16_t (*restrict terms)[4], const uint8_t *restrict raw,
                        const int8_t *restrict direction, uint8_t (*restrict out)[3])
