@@ -153,7 +153,7 @@ def writing_film(path, size, rate, time_base=None):
     path : path
     size : (int, int)
     rate : Fraction or int
-        Pictures a second.
+        Frames per second.
     time_base : Fraction, optional
         Unit of the times of its pictures; by default they have the rate's.
 

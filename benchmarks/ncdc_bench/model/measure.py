@@ -18,7 +18,7 @@ from ncdc_model.images import demosaic, mosaic
 from ncdc_model.remap_tables import remap_tables
 from ncdc_spec.descriptor import Descriptor
 from ncdc_spec.geometry import Geometry, ValidRows
-from ncdc_spec.interpolation import DIRECTIONAL, INTERPOLATIONS
+from ncdc_spec.interpolation import DEFAULT, INTERPOLATIONS
 from ncdc_spec.pixel_formats import BGR8
 
 __all__ = ["SIZES", "device_row", "lens_of", "model_rows"]
@@ -74,7 +74,7 @@ def model_rows(sizes=SIZES, progress=lambda name: None):
                        "bits_different": int(different.sum(dtype=np.int64))}
 
 
-def device_row(interpolation=DIRECTIONAL):
+def device_row(interpolation=DEFAULT):
     """Processor time of the emulated device for a corrected picture that it has not made before:
     light, noise, correction and packing, but not the packets.
 
