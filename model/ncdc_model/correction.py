@@ -21,6 +21,7 @@ from ncdc_spec.descriptor import Descriptor
 from ncdc_spec.errors import InputError
 from ncdc_spec.geometry import scan_order
 from ncdc_spec.interpolation import check_crest
+from ncdc_spec.raw_gains import NO_RAW_GAINS, balanced_raw
 
 __all__ = ["COMPILED", "Correction", "MODELS", "REFERENCE", "correct", "correction_of",
            "coloured", "default_model", "frame_coordinates"]
@@ -73,17 +74,18 @@ class Correction:
         self._compiled = CompiledCorrector(descriptor) if self.model == COMPILED else None
         self._fetches = {}      # by the width of strips
 
-    def __call__(self, raw, crest=0, strip=0, progress=lambda done, total: None):
+    def __call__(self, raw, crest=0, strip=0, progress=lambda done, total: None,
+                 raw_gains=NO_RAW_GAINS):
         """The :class:`~ncdc_model.golden.corrector.Corrected` frame of a ``raw`` one.
 
         See :func:`ncdc_model.golden.corrector.correct`.
         """
         if self._compiled is None:
-            return golden.correct(self.descriptor, raw, progress, strip, crest)
+            return golden.correct(self.descriptor, raw, progress, strip, crest, raw_gains)
         geometry = self.descriptor.geometry
         check_raw(raw, geometry)
         check_crest(crest, geometry.interpolation)
-        picture = self._compiled.picture(raw, crest)
+        picture = self._compiled.picture(balanced_raw(raw, geometry, raw_gains), crest)
         progress(geometry.corrected_height, geometry.corrected_height)
         return Corrected(picture, self.blank, self._fetches_of(strip))
 
@@ -140,12 +142,13 @@ def correction_of(descriptor, model=None):
     return _cached(_Lens(descriptor.digest, descriptor), model or default_model())
 
 
-def correct(descriptor, raw, progress=lambda done, total: None, strip=0, crest=0, model=None):
+def correct(descriptor, raw, progress=lambda done, total: None, strip=0, crest=0,
+            raw_gains=NO_RAW_GAINS, model=None):
     """Correct a ``raw`` frame, see :func:`ncdc_model.golden.corrector.correct`.
 
     ``model``: as of :class:`Correction`.
     """
-    return correction_of(descriptor, model)(raw, crest, strip, progress)
+    return correction_of(descriptor, model)(raw, crest, strip, progress, raw_gains)
 
 
 def frame_coordinates(descriptor):

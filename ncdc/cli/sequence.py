@@ -3,13 +3,14 @@
 import sys
 import time
 from contextlib import contextmanager
+from functools import cache
 from glob import glob
 from pathlib import Path
 
 import cv2
 import numpy as np
 
-from ncdc.cli.colour import colour_choice, colour_line, colour_report, has_gains
+from ncdc.cli.colour import colour_choice, colour_line, colour_report
 from ncdc.cli.common import raw_frame, write_report
 from ncdc.terminal import Progress, Steps, say
 from ncdc_model.correction import coloured, correct, correction_of, default_model
@@ -19,6 +20,7 @@ from ncdc_model.remap_tables import remap_tables
 from ncdc_spec.descriptor import Descriptor
 from ncdc_spec.errors import InputError
 from ncdc_spec.interpolation import CRESTS
+from ncdc_spec.raw_gains import NO_RAW_GAINS
 
 __all__ = ["FILM_MODES", "correct_film", "correct_files", "correct_stream", "listed"]
 
@@ -66,10 +68,15 @@ class _Sequence:
 
     def picture(self, raw):
         """The corrected picture of a raw frame; one white balance, the first frame's, for all."""
-        corrected = correct(self.descriptor, raw, crest=CRESTS[self.args.crest], model=self.model)
+        @cache
+        def corrected_with(raw_gains):
+            return correct(self.descriptor, raw, crest=CRESTS[self.args.crest],
+                           raw_gains=raw_gains, model=self.model)
+
         if self._choice and not self.count:
-            self.colour = self._choice(corrected)
+            self.colour = self._choice(corrected_with)
         self.count += 1
+        corrected = corrected_with(self.colour.raw_gains if self.colour else NO_RAW_GAINS)
         return (coloured(corrected, self.colour, self.model) if self.colour else
                 corrected.picture)
 
@@ -115,9 +122,9 @@ def correct_film(args, path):
     if not is_film(args.output):
         raise InputError(f"{path} is a film, {args.output} is none: films are written as one of "
                          f"{', '.join(FILMS)}")
-    if args.film != _MOSAIC and (has_gains(args) or CRESTS[args.crest]):
-        raise InputError(f"the film is remapped in its colours ({args.film}): --crest, "
-                         f"--white-balance and --tone need --film {_MOSAIC}")
+    if args.film != _MOSAIC and colour_choice(args):
+        raise InputError(f"the film is remapped in its colours ({args.film}): --raw-balance, "
+                         f"--crest, --white-balance and --tone need --film {_MOSAIC}")
     sequence = _Sequence(args)
     geometry = sequence.descriptor.geometry
     change = (sequence.picture if args.film == _MOSAIC else

@@ -20,7 +20,7 @@ _SOURCE = np.dtype([("corner", np.int32), ("fx", np.int32), ("fy", np.int32)])  
 class _Blending(ctypes.Structure):
     """``struct blending`` of pictures.c."""
     _fields_ = [(name, ctypes.c_int32) for name in
-                ("f_bits", "unit_bits", "width", "strength")]
+                ("f_bits", "unit_bits", "cut", "width", "strength")]
     _fields_ += [("curvature", ctypes.c_void_p), ("fill", ctypes.c_uint8 * 4)]
 
 
@@ -69,7 +69,8 @@ class CompiledCorrector:
         geometry, needs = self._geometry, self._geometry.interpolation
         framed = np.pad(raw, needs.margin, mode="reflect") if needs.margin else raw
         curvature = self._at_samples("curvatures", framed, 2) if crest else None
-        blending = _Blending(self._f_bits, needs.unit_bits, geometry.distorted_width, crest,
+        blending = _Blending(self._f_bits, needs.unit_bits, needs.cut(self._f_bits),
+                             geometry.distorted_width, crest,
                              None if curvature is None else pointer(curvature),
                              (*geometry.fill, 0))
         pixels = ctypes.byref(blending), pointer(self._sources), self.first.size

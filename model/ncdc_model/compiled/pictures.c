@@ -13,7 +13,6 @@
 #define MARGIN 2                /* of the interpolations with windows of 6x6 samples */
 #define DROPPED 2               /* lowest bits of a sample that the decision ignores */
 #define BIAS 8                  /* by which one direction must be better */
-#define CREST_BITS 6            /* fraction bits of the crest in grey levels */
 #define BATCH 64                /* pixels that are blended at a time */
 
 struct source {                 /* where a corrected pixel comes from */
@@ -206,6 +205,7 @@ void curvatures(const uint8_t *restrict raw, int width, int height, int16_t (*re
 struct blending {               /* what all pixels of a frame share */
     int32_t f_bits;             /* of a position between the corners */
     int32_t unit_bits;          /* of the corners' colours */
+    int32_t cut;                /* lowest bits that colours between the corners of a row lose */
     int32_t width;              /* of the raw frame */
     int32_t strength;           /* of the crest */
     const int16_t (*curvature)[2];      /* NULL without a crest */
@@ -244,20 +244,18 @@ struct batch {                  /* pixels on their way: vector instructions blen
 static void finish(const struct blending *b, const struct batch *from, const struct source *s,
                    int count, uint8_t (*restrict out)[3])
 {
-    const int f_bits = b->f_bits, shift = 2 * f_bits + b->unit_bits;
-    const int first_shift = b->curvature ? shift - CREST_BITS : 0;
-    const int last_shift = b->curvature ? CREST_BITS : shift;
-    const int64_t half = (int64_t)1 << (last_shift - 1);
+    const int f_bits = b->f_bits, cut = b->cut, shift = 2 * f_bits + b->unit_bits - cut;
+    const int64_t half = (int64_t)1 << (shift - 1);
     uint8_t plane[3][BATCH];
     for (int k = 0; k < 3; k++) {
         const int32_t *ul = from->colour[k][0], *ur = from->colour[k][1];
         const int32_t *ll = from->colour[k][2], *lr = from->colour[k][3];
         for (int n = 0; n < BATCH; n++) {
             const int64_t fx = from->fx[n], fy = from->fy[n];
-            const int64_t upper = ((int64_t)ul[n] << f_bits) + fx * (ur[n] - ul[n]);
-            const int64_t lower = ((int64_t)ll[n] << f_bits) + fx * (lr[n] - ll[n]);
-            const int64_t total = (upper << f_bits) + fy * (lower - upper);
-            const int64_t value = ((total >> first_shift) + from->crest[n] + half) >> last_shift;
+            const int64_t upper = (((int64_t)ul[n] << f_bits) + fx * (ur[n] - ul[n])) >> cut;
+            const int64_t lower = (((int64_t)ll[n] << f_bits) + fx * (lr[n] - ll[n])) >> cut;
+            const int64_t total = ((upper + from->crest[n]) << f_bits) + fy * (lower - upper);
+            const int64_t value = (total + half) >> shift;
             plane[k][n] = value < 0 ? 0 : value > 255 ? 255 : value;
         }
     }
