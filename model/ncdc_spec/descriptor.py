@@ -103,6 +103,10 @@ class Descriptor:
         if not q.holds((size + 1) << q.f_bits):
             raise InputError(f"coordinates {q} end at {q.real(q.hi):g}, the distorted image "
                              f"has {size} pixels on a side")
+        interpolation = self.geometry.interpolation
+        if q.f_bits < interpolation.min_f_bits:
+            raise InputError(f"coordinates have {q.f_bits} fraction bits, the interpolation "
+                             f"{interpolation.name} needs {interpolation.min_f_bits}")
         if self.formats.input.i_bits != 1:
             raise InputError(f"the format input {self.formats.input} does not suit the scan, one "
                              f"integer bit is needed")

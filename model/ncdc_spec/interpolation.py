@@ -85,6 +85,12 @@ class Interpolation:
         """
         return _NARROW if self.window + 2 * (lanes - 1) <= _NARROW + 1 else 2 * _NARROW
 
+    @property
+    def min_f_bits(self):
+        """Fraction bits that coordinates need: 4 for the crest, whose table has eighths of a half.
+        """
+        return 1 if self.row_bits is None else 4
+
     def cut(self, f_bits):
         """Lowest bits that a colour between two corners of a row loses, for fractions of
         ``f_bits`` bits."""

@@ -176,6 +176,14 @@ def test_a_descriptor_keeps_its_interpolation(tmp_path):
         Descriptor.load(tmp_path / "cubic.toml")
 
 
+def test_few_fraction_bits_of_coordinates_are_rejected():
+    for needs, bits in ((GRADIENT, 3), (DIRECTIONAL, 3)):
+        d = barrel_descriptor(interpolation=needs)
+        coordinate = Q(d.formats.coordinate.i_bits, bits)
+        with pytest.raises(InputError, match=f"{needs.name} needs 4"):
+            replace(d, formats=replace(d.formats, coordinate=coordinate))
+
+
 def test_hardware_states_which_it_has():
     for needs in (FAST, GRADIENT, DIRECTIONAL):
         made = Hardware().made_for(barrel_descriptor(interpolation=needs))

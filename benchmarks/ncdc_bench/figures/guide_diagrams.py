@@ -56,8 +56,8 @@ DRAWINGS = {
          (19.5, 21.5, 4.1, "samples", "last of a row"),
          (15.1, 21.5, .6, "first, end, bad", "of a frame"),
          (12.5, 6.6, .6, "faults", "a pulse each, into the core's clock")),
-        "all parts but the counters are in the clock of the bytes; with aligned=True the PHY aligns "
-        "the words",
+        "all parts but the counters are in the clock of the bytes; with aligned=True the PHY "
+        "aligns the words",
         (15.5, 4.9), ((13.8, 2.6, 1.2, "begins, ends, faults"),)),
     "guide-platform-designer.png": Drawing(
         ((0, 0, 2.9, 4.6, "your system in\nPlatform Designer\n\nprocessor or\nJTAG host\n\n"
