@@ -27,8 +27,10 @@ from ncdc_spec.interpolation import FAST, GRADIENT, INTERPOLATIONS
 from ncdc_spec.pixel_formats import BGR8, BGRA8, MONO8, bayer_format, packed
 from ncdc_spec.protocols.features import TEST_PATTERNS
 from ncdc_spec.protocols.gvcp import CORRECTOR_BASE
+from ncdc_spec.raw_gains import sample_gains
 from ncdc_spec.registers.host_values import host_values, table_words
 from ncdc_spec.registers.register_map import registers
+from ncdc_spec.sensors.level import levelled
 
 
 def noise(size, seed=3):
@@ -97,6 +99,32 @@ def test_a_mirrored_raw_frame_has_the_pattern_that_it_says(bayer):
             assert (got[said_row::2, said_column::2] == 10).all(), hex(mirrors)
             assert (got[1 - said_row::2, 1 - said_column::2] == 30).all()
             assert one.registers.read(0xF003) == frame.pixel_format.mraw
+
+
+@pytest.mark.parametrize("bayer", ["GRBG", "MONO"])
+def test_capture_has_its_gains_before_samples_are_bytes(bayer):
+    """Of samples between two grey levels too, as capture's golden model; and of a test pattern."""
+    light, gains = noise(SIZE), (700, 256, 400)
+    phase = BAYER_PHASE.get(bayer)
+    found = expose(light, Exposure(.25, 1, 0, 0, gains), bayer, 0)
+    wanted = levelled(4 * light.astype(int), gains=sample_gains(SIZE, phase, gains))
+    assert np.array_equal(found, wanted)
+    coarse = expose(light, Exposure(.25, 1, 0, 0), bayer, 0)
+    assert len(np.unique(found)) > len(np.unique(coarse)) or phase is None
+    ramp = TEST_PATTERNS[-1].word
+    plain, gained = (expose(light, Exposure(1, 1, ramp, 0, *more), bayer, 0)
+                     for more in ((), (gains,)))
+    assert np.array_equal(gained, levelled(16 * plain.astype(int),
+                                           gains=sample_gains(SIZE, phase, gains)))
+
+
+def test_ratios_are_in_raw_frames_too():
+    with device([small_lens()], np.full(SIZE[::-1], 100, np.uint8)) as one:
+        one.registers.write(0xF000, 0)
+        one.registers.set_ratio(0, 512)
+        raw = np.frombuffer(one.camera.newest().data, np.uint8).reshape(SIZE[::-1])
+    column, row = BAYER_PHASE[small_lens().geometry.bayer]
+    assert (raw[row::2, column::2] == 200).all() and (raw == 100).sum() == raw.size * 3 // 4
 
 
 def test_the_sensor_multiplies_and_clips():
