@@ -11,7 +11,7 @@ from ncdc_hdl.frontend.backmap import BackMap
 from ncdc_hdl.frontend.node_backmap import NodeBackMap
 from ncdc_hdl.frontend.valid import ValidTable
 from ncdc_hdl.lib.groups import lanes_of
-from ncdc_model.golden.network import frame_coordinates
+from ncdc_model.correction import frame_coordinates
 from ncdc_spec.geometry import scan_order
 from ncdc_spec.hardware import Hardware
 from pipelines import get, run_bench

@@ -5,7 +5,7 @@ from itertools import product
 import cv2
 import numpy as np
 
-from ncdc_model.golden.network import frame_coordinates
+from ncdc_model.correction import frame_coordinates
 from ncdc_model.images import mosaic
 from ncdc_sim.sensor.verilog import Light
 from ncdc_spec.errors import InputError

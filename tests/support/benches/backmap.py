@@ -8,7 +8,7 @@ from cocotb.triggers import FallingEdge
 
 from benches.common import clocks, get, pack, settings, start, unpack
 from ncdc_hdl.frontend.layouts import SPANS, coordinate_layout, network_layout, scan_layout
-from ncdc_model.golden.network import frame_coordinates
+from ncdc_model.correction import frame_coordinates
 from ncdc_spec.descriptor import Descriptor
 from ncdc_spec.hardware import Hardware
 
