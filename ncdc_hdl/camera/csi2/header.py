@@ -47,7 +47,7 @@ class HeaderDecoder(wiring.Component):
         sent = register(m, "sent", self.i[:24])
         low, high = syndrome[:6], syndrome[6:]
         single = self._single(low, high)
-        wrong_bits = Cat((low == column) & ~high.any() for column in _COLUMNS)
+        wrong_bits = Cat(low == column for column in _COLUMNS)
         m.d.comb += [
             self.o.eq(register(m, "header", sent ^ wrong_bits)),
             self.corrected.eq(register(m, "corrected_", single)),
