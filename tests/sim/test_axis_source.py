@@ -2,8 +2,8 @@
 
 import pytest
 
+from cocotb_run import design_of, run_cocotb
 from ncdc_hdl.camera.axis_source import AxisSource
-from ncdc_sim.cocotb_run import design_of, run_cocotb
 
 pytestmark = pytest.mark.longer
 
