@@ -5,9 +5,6 @@ Each function takes a report and gives nested dicts: tables of rows, rows of fig
 
 __all__ = ["by_lens", "lines", "nodes"]
 
-_PART = "mse", "max"
-_INTEGERS = "ncdc", "ncdc-skip"          # whose errors are those of the integers
-
 
 def _word(name):
     return name.replace("-", "_").lower()
@@ -20,8 +17,8 @@ def by_lens(report):
         name, neurons = row["model"], row["hidden_neurons"]
         title = f"`{name}`, HN {neurons}" if neurons else f"`{name}`"
         figures = rows.setdefault(_word(f"{name}_{neurons}" if neurons else name), {"map": title})
-        kind = "fixed_" if name in _INTEGERS else ""
-        figures |= {f"{row['lens'].lower()}_{part}": row[kind + part] for part in _PART}
+        kind = "fixed_" if name == "ncdc" else ""       # of a network: the integers'
+        figures |= {f"{row['lens'].lower()}_{part}": row[kind + part] for part in ("mse", "max")}
     return rows
 
 
