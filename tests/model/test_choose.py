@@ -24,7 +24,7 @@ from ncdc_spec.errors import InputError
 
 @pytest.fixture(autouse=True)
 def few_starts(monkeypatch):
-    monkeypatch.setitem(TRAINERS, "lm", partial(train_levenberg, starts=9, rounds=0))
+    monkeypatch.setitem(TRAINERS, "lm", partial(train_levenberg, starts=4, rounds=0))
 
 
 @pytest.fixture
