@@ -10,19 +10,21 @@ __all__ = ["name_to_open", "name_to_save"]
 
 def name_to_open(parent, title, kinds):
     """Path of a file that exists, or ""."""
-    return _kept(QFileDialog.getOpenFileName(parent, title, _folder(), kinds))
+    return _remembered(QFileDialog.getOpenFileName(parent, title, _folder(), kinds))
 
 
 def name_to_save(parent, title, name, kinds):
     """Path of a file to be written, ``name`` being proposed, or ""."""
-    return _kept(QFileDialog.getSaveFileName(parent, title, str(Path(_folder()) / name), kinds))
+    path = str(Path(_folder()) / name)
+    return _remembered(QFileDialog.getSaveFileName(parent, title, path, kinds))
 
 
 def _folder():
     return QSettings().value("folder", str(Path.home()))
 
 
-def _kept(answer):
+def _remembered(answer):
+    """The path of Qt's answer; its folder is remembered."""
     path, _ = answer
     if path:
         QSettings().setValue("folder", str(Path(path).parent))

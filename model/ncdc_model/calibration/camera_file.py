@@ -10,6 +10,7 @@ from ncdc_model.calibration.files.known import reject_known_text
 from ncdc_model.calibration.files.read import read_lens
 from ncdc_model.golden.valid import valid_mask
 from ncdc_model.lens import Camera, Frame, choose_frame
+from ncdc_model.mask_border import border_pixels
 from ncdc_spec.errors import InputError
 from ncdc_spec.files import read_bytes
 from ncdc_spec.geometry import Geometry
@@ -158,11 +159,8 @@ def training_grid(back_map, geometry, grid=GRID, border=BORDER, without=None):
                          f"5 % is the limit; give another zoom")
     u, v = (line.ravel() for line in np.meshgrid(np.linspace(0, width - 1, grid[0]),
                                                  np.linspace(0, height - 1, grid[1])))
-    padded = np.pad(mask, 1)
-    inner = padded[:-2, 1:-1] & padded[2:, 1:-1] & padded[1:-1, :-2] & padded[1:-1, 2:]
-    rows, columns = np.nonzero(mask & ~inner)
-    some = np.linspace(0, len(rows) - 1, min(border, len(rows))).astype(int)
-    u, v = np.concatenate([u, columns[some]]), np.concatenate([v, rows[some]])
+    rows, columns = border_pixels(mask, border)
+    u, v = np.concatenate([u, columns]), np.concatenate([v, rows])
     on = mask if without is None else mask & ~without
     on = on[np.round(v).astype(int), np.round(u).astype(int)]
     u, v = u[on], v[on]

@@ -13,6 +13,7 @@ from scipy.linalg import eigh
 from scipy.spatial import Delaunay, cKDTree
 from scipy.spatial.distance import cdist
 
+from ncdc_model.mask_border import border_pixels
 from ncdc_model.training.problem import spread
 
 __all__ = ["Region", "region_of"]
@@ -123,16 +124,12 @@ def _pixels(smooth, geometry):
     step = max(1, round(max(width, height) / _STEP))
     u, v = np.meshgrid(np.arange(width), np.arange(height))
     valid = geometry.window_inside(*smooth(u.astype(np.float64), v.astype(np.float64)))
-    padded = np.pad(valid, 1)
-    inner = padded[:-2, 1:-1] & padded[2:, 1:-1] & padded[1:-1, :-2] & padded[1:-1, 2:]
-    rows, columns = np.nonzero(valid & ~inner)
-    some = np.linspace(0, len(rows) - 1, min(_BORDER, len(rows))).astype(int)
+    rows, columns = border_pixels(valid, _BORDER)
     start = step // 2
     rows_even, columns_even = np.nonzero(valid[start::step, start::step])
     even = columns_even * step + start, rows_even * step + start
-    border = np.arange(len(even[0]) + len(some)) >= len(even[0])
-    return (np.concatenate([even[0], columns[some]]), np.concatenate([even[1], rows[some]]),
-            border)
+    border = np.arange(len(even[0]) + len(rows)) >= len(even[0])
+    return np.concatenate([even[0], columns]), np.concatenate([even[1], rows]), border
 
 
 def _regression(known, rest, at):
