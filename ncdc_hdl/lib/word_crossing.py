@@ -48,6 +48,15 @@ class WordCrossing(wiring.Component):
         changed = Value.cast(self.i) != Value.cast(offered)
         with m.If(changed & (asked == taken_here)):
             m.d.sync += [Value.cast(offered).eq(Value.cast(self.i)), asked.eq(~asked)]
+        word = self._wires(m, Value.cast(offered))
         with m.If(asked_there != taken):
-            m.d.there += [Value.cast(self.o).eq(Value.cast(offered)), taken.eq(asked_there)]
+            m.d.there += [Value.cast(self.o).eq(word), taken.eq(asked_there)]
         return m
+
+    @staticmethod
+    def _wires(m, offered):
+        """The word at the other domain.
+
+        A method of its own only so that tests can have some of its wires take longer.
+        """
+        return offered
