@@ -35,7 +35,7 @@ class ParallelSource(wiring.Component):
         armed = Signal()        # FRAME_VALID has been low since the reset
         with m.If(~self.pins.frame_valid):
             m.d.sync += armed.eq(1)
-        frame = register(m, "frame", self.pins.frame_valid & armed, reset_less=False)
+        frame = register(m, "frame", self.pins.frame_valid, reset_less=False)
         line = register(m, "line", self.pins.frame_valid & self.pins.line_valid & armed,
                         reset_less=False)
         # A clock later it is known whether a sample was the last one.

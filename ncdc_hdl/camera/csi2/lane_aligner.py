@@ -16,7 +16,8 @@ class LaneAligner(wiring.Component):
 
     A burst begins with the first lane that is active and ends with the last one. If a lane has no
     byte within ``MAX_SKEW`` clocks of another lane's first one, the burst is dropped. Each burst
-    that is dropped, or has no byte at all, is reported at its end.
+    that is dropped, or has no byte at all, is reported at its end. A burst that is under way at the
+    end of a reset is ignored.
 
     Timing: free-running. A byte of the last lane leaves ``latency`` clocks later. Between two
     bursts no lane is active for at least ``min_gap`` clocks.
@@ -45,8 +46,9 @@ class LaneAligner(wiring.Component):
 
     def elaborate(self, platform):
         m = Module()
-        burst, started = Signal(), Signal()     # a lane is active; all lanes have begun
-        running = Signal()                      # words leave
+        burst = Signal()                # a lane is active
+        started = Signal(init=1)        # all lanes have begun, or this burst is ignored
+        running = Signal()              # words leave
         waits = [Signal(range(MAX_SKEW + 2), name=f"wait{k}") for k in range(self.lanes)]
         active = Cat(lane.active for lane in self.i).any()
         late = Cat(wait == MAX_SKEW + 1 for wait in waits).any()
@@ -68,7 +70,6 @@ class LaneAligner(wiring.Component):
         m.d.comb += [
             self.o.data.eq(register(m, "data", Cat(lane[:8] for lane in delayed))),
             self.o.valid.eq(running),
-            self.o.first.eq(register(m, "first", start, reset_less=False)),
             self.unaligned.eq(register(m, "unaligned_", burst & ~active & ~started,
                                        reset_less=False))]
         return m

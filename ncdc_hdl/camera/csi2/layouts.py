@@ -37,8 +37,11 @@ FAULTS = data.StructLayout({
 
 
 def words(lanes):
-    """Signature of aligned bytes, one of each lane, the first one lowest; ``first`` of a burst."""
-    return wiring.Signature({"data": Out(8 * lanes), "valid": Out(1), "first": Out(1)})
+    """Signature of aligned bytes, one of each lane, the first one lowest.
+
+    ``valid`` is high during a burst, and low for a clock at least between two bursts.
+    """
+    return wiring.Signature({"data": Out(8 * lanes), "valid": Out(1)})
 
 
 def rest_shape(lanes):

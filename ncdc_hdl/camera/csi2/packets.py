@@ -88,21 +88,19 @@ class Packets(wiring.Component):
         for k in range(count - 1):
             before.insert(0, register(m, f"word_d{k}", before[0] if before else self.i.data))
         m.d.comb += header.i.eq(Cat(*before, self.i.data))
-        number = Signal(range(count + 1), init=count)       # of the next word, no more than `count`
-        now = Mux(self.i.first, 0, number)
-        partial = (number != 0) & (number != count)
+        number = Signal(range(count + 1))           # of the word in its burst, `count` at most
         with m.If(~self.i.valid):
-            m.d.sync += number.eq(count)
-        with m.Elif(now != count):
-            m.d.sync += number.eq(now + 1)
-        return self.i.valid & (now == count - 1), partial & (~self.i.valid | self.i.first)
+            m.d.sync += number.eq(0)
+        with m.Elif(number != count):
+            m.d.sync += number.eq(number + 1)
+        partial = (number != 0) & (number != count)
+        return self.i.valid & (number == count - 1), ~self.i.valid & partial
 
     def _payload(self, m, begin, count):
         """Hand on a row's words. Returns (its burst ended before it, its checksum is wrong)."""
         lanes = self.lanes
-        data, valid, first = (delay(m, value, self.latency, name, reset_less=name == "data")
-                              for name, value in (("data", self.i.data), ("valid", self.i.valid),
-                                                  ("first", self.i.first)))
+        data = delay(m, self.i.data, self.latency, "data")
+        valid = delay(m, self.i.valid, self.latency, "valid", reset_less=False)
         left = Signal(16 - exact_log2(lanes))       # full words of payload that are to come
         rest = Signal(rest_shape(lanes))                 # bytes of payload in a word after these
         inside = Signal()                           # in the payload
@@ -113,7 +111,7 @@ class Packets(wiring.Component):
         under_way = inside | alone.any()
         m.submodules.checksum = checksum = Checksum(lanes)
         m.d.comb += [
-            step.eq(under_way & valid & ~first),
+            step.eq(under_way & valid),
             complete.eq(step & Mux(inside, last & (alone_later == 0), alone == 1)),
             checksum.start.eq(begin), checksum.valid.eq(step), checksum.data.eq(data),
             checksum.rest.eq(Mux(complete, rest + _CHECKSUM_BYTES, 0)),

@@ -14,8 +14,6 @@ __all__ = ["WordAligner"]
 class WordAligner(wiring.Component):
     """Finds the sync byte at any of eight bit positions, and gives the bytes after it.
 
-    A burst that is under way at the end of a reset is ignored.
-
     Timing: free-running. A byte leaves ``latency`` clocks after its last bit.
 
     Members
@@ -34,23 +32,25 @@ class WordAligner(wiring.Component):
         active = self.i.active
         before = Signal(7)              # the last bits of the clock before; zero before a burst
         offset = Signal(3)              # bit position of the first bit of a byte in `bits`
-        locked, armed = Signal(), Signal()
+        locked = Signal()
+        active_before = Signal(init=1)  # a reset ends no burst
         bits = Cat(before, self.i.data)
         # No shift of the sync byte by fewer than eight bits overlaps with it: one match at most.
         matches = [bits[k:k + 8] == SYNC_BYTE for k in range(8)]
         with m.If(active):
             m.d.sync += before.eq(self.i.data[1:])
-            with m.If(armed & ~locked & Cat(matches).any()):
+            with m.If(~locked & Cat(matches).any()):
                 m.d.sync += [locked.eq(1), offset.eq(Cat(
                     Cat(match for k, match in enumerate(matches) if k >> bit & 1).any()
                     for bit in range(3)))]
         with m.Else():
-            m.d.sync += [before.eq(0), locked.eq(0), armed.eq(1)]
+            m.d.sync += [before.eq(0), locked.eq(0)]
         aligned = bits
         for bit in (2, 1, 0):
             width = 7 + (1 << bit)
             aligned = Mux(offset[bit], aligned[1 << bit:(1 << bit) + width], aligned[:width])
+        m.d.sync += active_before.eq(active)
         m.d.comb += [self.o.data.eq(register(m, "data", aligned)),
                      self.o.valid.eq(register(m, "valid", locked & active, reset_less=False)),
-                     self.o.active.eq(register(m, "active", active & armed, reset_less=False))]
+                     self.o.active.eq(active_before)]
         return m
