@@ -216,7 +216,7 @@ def test_lanes_that_are_not_supported(lanes):
 
 @pytest.mark.parametrize("period", [1.7e-9, 1e-8, 9.3e-8])
 def test_faults_are_counted_in_the_core_clock(period):
-    """Clocks of any ratio to 1:6; a reset of both sides counts nothing."""
+    """Faults two core clocks apart and more; a reset of both sides counts nothing."""
     dut, rng = FaultCounters(), np.random.default_rng(5)
     reset, expected = Signal(), dict.fromkeys((name for name, _ in FAULTS), 0)
     simulator = Simulator(ResetInserter({"sync": reset, "camera": reset})(dut))

@@ -19,9 +19,9 @@ FAULT_COUNTS = data.StructLayout({name: _BITS for name, _ in FAULTS})
 class FaultCounters(wiring.Component):
     """Counts each fault of :data:`FAULTS`.
 
-    A bit that changes with each fault crosses from the clock of the bytes, which may stop. Faults
-    of one kind come with different packets, and these at least 12 byte clocks apart. So none is
-    lost if the core's clock has at least a sixth of the rate.
+    A bit that changes with each fault crosses from the clock of the bytes, which may stop. A packet
+    has one fault of a kind at most, and D-PHY's timing keeps packets 295 ns apart (T_HS-EXIT,
+    T_LPX, T_HS-PREPARE with T_HS-ZERO). None is lost if that is two clocks of the core or more.
 
     Parameters
     ----------

@@ -18,8 +18,8 @@ the burst. ``active`` is high during the burst, sync byte or not. In the terms o
 interface: RxDataHS, RxValidHS and RxActiveHS."""
 
 SETTINGS = data.StructLayout({"channel": 2, "type": 6})
-"""Virtual channel of the frames, and data type of their rows. RAW10 and RAW12 are unpacked. Each
-byte of another type is a sample."""
+"""Virtual channel of the frames, and data type of their rows, 0x10 or more. RAW10 and RAW12 are
+unpacked. Each byte of another type is a sample."""
 
 HEADER = data.StructLayout({"type": 6, "channel": 2, "count": 16})
 """Header of a packet without its ECC; ``count`` is the number of bytes of a payload."""

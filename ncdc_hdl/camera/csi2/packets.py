@@ -102,7 +102,7 @@ class Packets(wiring.Component):
         data = delay(m, self.i.data, self.latency, "data")
         valid = delay(m, self.i.valid, self.latency, "valid", reset_less=False)
         left = Signal(16 - exact_log2(lanes))       # full words of payload that are to come
-        rest = Signal(rest_shape(lanes))                 # bytes of payload in a word after these
+        rest = Signal(rest_shape(lanes))            # bytes of payload in a word after these
         inside = Signal()                           # in the payload
         alone = Signal(range(_CHECKSUM_BYTES + 1))  # words without payload that are to come
         alone_later = Array(_words_alone(number, lanes) for number in range(lanes))[rest]
