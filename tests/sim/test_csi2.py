@@ -24,8 +24,7 @@ def resting(lanes, rng):
 
 
 def received(wire, kind, **options):
-    """What a receiver makes of the lanes, with clocks for the end of the last frame."""
-    wire.rest(8)
+    """What a receiver of the own channel makes of the lanes."""
     return receive(wire.lanes, *wire.clocks, channel=CHANNEL, kind=kind, **options)
 
 
@@ -270,7 +269,7 @@ def test_a_reset_at_any_clock(lanes):
         send(wire, lanes, frame_packets(frames[-1], kind, CHANNEL))
     ends = len(wire.clocks[0])
     resets = [begin + int(rng.integers(0, 100)) for begin in begins[1:-1:2]]
-    reset = np.zeros(ends + 8, bool)
+    reset = np.zeros(ends, bool)
     reset[resets] = True
     result = received(wire, kind, reset=reset)
     good = [frame for frame in result.frames if not frame.bad]

@@ -19,6 +19,7 @@ from ncdc_spec.sensors.level import SAMPLE_BITS
 __all__ = ["Frame", "Received", "receive"]
 
 _TOP = "csi2"
+_MORE_CLOCKS = 8
 _FLAGS = [*(name for name, _ in FAULTS), "first", "last", "end", "bad"]
 
 
@@ -69,6 +70,8 @@ def _program(lanes):
 def receive(lanes, data, active, *, channel, kind, reset=None):
     """What a receiver's Verilog makes of the lanes, in a Verilator model.
 
+    Some clocks of low-power mode follow, in which the end of the last frame leaves.
+
     Parameters
     ----------
     lanes : int
@@ -98,6 +101,7 @@ def receive(lanes, data, active, *, channel, kind, reset=None):
         words |= (data[:, lane] | active[:, lane] << np.uint64(8)) << np.uint64(9 * lane)
     if reset is not None:
         words |= np.asarray(reset, np.uint64) << np.uint64(63)
+    words = np.append(words, np.zeros(_MORE_CLOCKS, "<u8"))
     settings = SETTINGS.const({"channel": channel, "type": kind}).as_value().value
     with tempfile.TemporaryDirectory(prefix="ncdc-") as name:
         folder = Path(name)
