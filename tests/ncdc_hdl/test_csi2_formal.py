@@ -1,8 +1,8 @@
-"""Formal proof of the header's code (docs/evidence/proofs.md): covers and planted errors."""
+"""Formal proofs of the CSI-2 receiver (docs/evidence/proofs.md): covers and planted errors."""
 
 import pytest
 
-from formal.csi2 import Headers
+from formal.csi2 import Bursts, Headers
 from formal.sby import FAIL, PASS, run
 from ncdc_hdl.camera.csi2 import header
 from ncdc_hdl.camera.csi2.header import HeaderDecoder
@@ -47,3 +47,20 @@ def test_a_wrong_column_is_found(tmp_path, monkeypatch):
     monkeypatch.setattr(header, "_COLUMNS", columns)
     status, names = run(Headers(), tmp_path, mode="bmc", depth=4, only="handed_on")
     assert status == FAIL and {name.rpartition(".")[2] for name in names} == {"handed_on"}
+
+
+@pytest.mark.longer
+def test_bursts_are_apart(tmp_path):
+    assert run(Bursts(), tmp_path, mode="bmc", depth=20) == (PASS, set())
+
+
+@pytest.mark.longer
+def test_bursts_are_reached(tmp_path):
+    assert run(Bursts(), tmp_path, mode="cover", depth=20) == (
+        PASS, {"skew", "dropped", "second_burst"})
+
+
+@pytest.mark.longer
+def test_a_gap_that_is_too_short_is_found(tmp_path):
+    status, names = run(Bursts(1), tmp_path, mode="bmc", depth=20, only="apart")
+    assert status == FAIL and {name.rpartition(".")[2] for name in names} == {"apart"}
