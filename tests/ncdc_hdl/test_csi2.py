@@ -178,17 +178,20 @@ def test_checksum_of_each_length(lanes):
 
 
 @pytest.mark.parametrize("lanes", [1, 2, pytest.param(4, marks=pytest.mark.longer)])
-def test_receiver_of_a_phy_that_aligns_words(lanes):
-    """Its lanes may end with the last byte; a frame's end leaves ``latency`` clocks after it."""
+@pytest.mark.parametrize("wrong", [0, 1])
+def test_receiver_of_a_phy_that_aligns_words(lanes, wrong):
+    """Its lanes may end with the last byte; a frame's end leaves ``latency`` clocks after it.
+    ``wrong``: a bit of the last row's checksum, just before the end."""
     dut, rng = Receiver(lanes, aligned=True), np.random.default_rng(4)
     frame = rng.integers(0, 1 << 10, (3, 12))
-    rows, last_byte, ends = [[]], [], []
+    rows, last_byte, ends, faults = [[]], [], [], []
 
     async def bench(ctx):
         ctx.set(dut.settings.type, DataType.RAW10)
         await ctx.tick()
         clock = 0
         packets = frame_packets(frame)
+        packets[-2] = packets[-2][:-1] + bytes([packets[-2][-1] ^ wrong])
         for packet in packets:
             gap = LaneAligner.min_gap if packet is not packets[-1] else dut.latency
             contents = [packet[lane::lanes] for lane in range(lanes)]
@@ -201,11 +204,12 @@ def test_receiver_of_a_phy_that_aligns_words(lanes):
                     rows.append([])
                 if ctx.get(dut.o.end):
                     ends.append((clock - 1, ctx.get(dut.o.bad)))
-                assert not ctx.get(dut.faults.as_value())
+                faults.extend(name for name, _ in FAULTS if ctx.get(dut.faults[name]))
 
     run_bench(dut, bench)
     assert np.array_equal(np.array(rows[:-1]) >> 2, frame) and not rows[-1]
-    assert ends == [(last_byte[-1] + dut.latency - 1, 0)]
+    assert ends == [(last_byte[-1] + dut.latency - 1, wrong)]
+    assert faults == ["checksum"] * wrong
 
 
 @pytest.mark.parametrize("lanes", [0, 3, 8])
