@@ -9,7 +9,9 @@ from ncdc.cli.commands import COMMANDS
 from ncdc.cli.common import add_samples, raw_frame
 from ncdc.cli.field import add_field, field_of
 from ncdc.cli.renamed import add_renamed
+from ncdc.terminal import say
 from ncdc_host.device.emulated import Announcer, DeviceOptions, EmulatedDevice, lens_corrections
+from ncdc_model.correction import default_model
 from ncdc_spec.descriptor import Descriptor
 from ncdc_spec.errors import InputError
 from ncdc_spec.protocols.gvcp import PORT
@@ -73,6 +75,7 @@ def run(args) -> None:
         addresses = [str(first + k) for k in range(args.count)]
     except ValueError as error:
         raise InputError(f"the address {args.address!r} is no IPv4 address") from error
+    default_model(say)          # says so if the pictures will be slow
     print("preparing the correction", file=sys.stderr, flush=True)
     corrections = lens_corrections(descriptors)
     devices, announcer = [], None
