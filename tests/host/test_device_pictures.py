@@ -1,5 +1,6 @@
 """Pictures of the emulated device: the golden model's, mirrored, cut and stored as declared."""
 
+import time
 from dataclasses import replace
 
 import numpy as np
@@ -15,6 +16,7 @@ from ncdc_host.device.emulated import lens_corrections
 from ncdc_host.device.light import POSITIONS, MovingScene, Photo
 from ncdc_host.device.registers import Settings, View
 from ncdc_host.device.sensor import Exposure, expose
+from ncdc_host.device.stream import Receiver
 from ncdc_model.correction import Correction
 from ncdc_model.example import noise_picture
 from ncdc_model.golden.colour import ColourSums, coloured
@@ -267,3 +269,26 @@ def test_lenses_of_a_device_have_the_same_nodes():
         lens_corrections([small_lens(), replace(small_lens(), nodes=8)])
 
 
+def test_the_next_frame_is_made_while_one_is_on_the_line(monkeypatch):
+    """A stand-in for sending, which waits until the camera is asked for the frame after."""
+    asked, sent = [], []
+    with device(fps=100.0) as one:
+        following = one.camera.following
+
+        def noted(number, *rest):
+            asked.append(number)
+            return following(number, *rest)
+
+        def send(frame, receiver, stop):
+            end = time.monotonic() + 5
+            while frame.number not in asked and time.monotonic() < end:
+                time.sleep(.001)
+            sent.append((frame.number, frame.number in asked))
+        monkeypatch.setattr(one.camera, "following", noted)
+        monkeypatch.setattr(one.stream, "_send_frame", send)
+        one.stream.start(Receiver(("127.0.0.1", 9), 1500, 0, False))
+        while len(sent) < 3:
+            time.sleep(.001)
+        one.stream.stop()
+    assert all(made for _, made in sent[:3])
+    assert [number for number, _ in sent] == sorted({number for number, _ in sent})
