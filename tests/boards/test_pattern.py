@@ -94,7 +94,7 @@ def test_what_has_no_pattern_is_rejected_in_a_sentence(name, request_, size, sai
 
 
 def test_the_limit_leaves_block_ram_for_the_core():
-    """Of the 208 blocks of 18 kbit, 16 kbit each as a pattern uses them, the whole board of
+    """Of the 208 blocks of 18 kbit, 16 kbit each at worst for a pattern, the whole board of
     docs/reference/ulx3s.md takes 61."""
     assert BOARD.pattern_bits // (16 << 10) + 61 < 208
     offered = [name for name in board_names() if getattr(board(name), "pattern_bits", 0)]
