@@ -23,9 +23,6 @@ class Relay(wiring.Component):
     Members
     -------
     i, o : ``In(stream.Signature(shape))``, ``Out(stream.Signature(shape))``
-    full : ``Out(1)``
-        The opposite of ``i.ready``, in a register of its own: for the enable of so many flip-flops
-        that a common register would be far from what else depends on ``i.ready``.
     """
 
     latency = 1
@@ -33,8 +30,7 @@ class Relay(wiring.Component):
 
     def __init__(self, shape):
         self.shape = shape
-        super().__init__({"i": In(stream.Signature(shape)), "o": Out(stream.Signature(shape)),
-                          "full": Out(1)})
+        super().__init__({"i": In(stream.Signature(shape)), "o": Out(stream.Signature(shape))})
 
     def elaborate(self, platform):
         m = Module()
@@ -46,8 +42,8 @@ class Relay(wiring.Component):
         with m.If(free):
             m.d.sync += aside.eq(i)
         with m.If(~self.o.valid | self.o.ready):
-            m.d.sync += [self.o.valid.eq(~free | self.i.valid), free.eq(1), self.full.eq(0),
+            m.d.sync += [self.o.valid.eq(~free | self.i.valid), free.eq(1),
                          o.eq(Mux(free, i, aside))]
         with m.Elif(self.i.valid):
-            m.d.sync += [free.eq(0), self.full.eq(1)]
+            m.d.sync += free.eq(0)
         return m

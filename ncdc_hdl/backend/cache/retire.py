@@ -86,21 +86,19 @@ class Retire(wiring.Component):
 
     def elaborate(self, platform):
         m = Module()
-        # All stages move if the windows after them do, without looking further. What decides on
-        # the queue has a register of its own, as the stages are thousands of flip-flops.
+        # All stages move if the windows after them do, without looking further.
         m.submodules.windows = windows = Relay(self.o.payload.shape())
         wiring.connect(m, windows.o, wiring.flipped(self.o))
         shift = Signal()                # all stages after the oldest look-up move
-        ready = Signal()                # the same
         enough = Signal()               # all tiles of the oldest look-up have arrived
         oldest_valid = Signal()         # there is an oldest look-up
         oldest = Signal(self.position_shape, reset_less=True)
         pop = Signal()                  # the oldest look-up goes on to the stages
         load = Signal()                 # the look-up at the queue's end becomes the oldest
         m.d.comb += [
-            shift.eq(~windows.full), self.shift.eq(shift), ready.eq(windows.i.ready),
-            load.eq(~oldest_valid | (enough & ready)),
-            pop.eq(oldest_valid & enough & ready),
+            shift.eq(windows.i.ready), self.shift.eq(shift),
+            load.eq(~oldest_valid | (enough & shift)),
+            pop.eq(oldest_valid & enough & shift),
             self.waiting.eq(oldest_valid & ~enough),
         ]
         following_valid, following, following_owed = self._queue(m, load)
@@ -110,7 +108,7 @@ class Retire(wiring.Component):
         (b_valid, _), _, (_, s), *_, (w_valid, w) = self._stages(m, shift, pop, oldest)
         word, row = self._corner(oldest)
         m.d.comb += [
-            self.retire.eq(b_valid & ready),
+            self.retire.eq(b_valid & shift),
             self.box.set.eq(oldest.set), self.box.next_set.eq(oldest.next_set),
             self.box.odd_tile.eq(oldest.odd_tile),
             self.box.word.eq(word), self.box.row.eq(row),
