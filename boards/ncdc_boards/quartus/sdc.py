@@ -59,6 +59,8 @@ set_false_path -to [get_registers {*altera_std_synchronizer:*|din_s1}]
 set_false_path -to [get_pins -nowarn -compatibility_mode {*altera_std_synchronizer*|clrn}]
 # Settings of the camera, which are locked while it is captured.
 set_false_path -from [get_registers {*:page|values*}] -to [get_clocks {sensor}]
+# Gains of capture, stable from before their flag reaches the sensor's clock until they are taken.
+set_false_path -from [get_registers {*:balance|offered*}] -to [get_clocks {sensor}]
 """
 GRAY_COUNTERS = (("*|produce_w_gry*", "*:produce_cdc|*din_s1"),
                  ("*|consume_r_gry*", "*:consume_cdc|*din_s1"))
