@@ -11,7 +11,7 @@ _COLLECTION = re.compile(r"<(\w+) ([^>]*)>")
 _CUT_TO = ("*altera_std_synchronizer:*|din_s1", "*altera_std_synchronizer*|clrn",
            "*ncdc_processor:processor|*multiregimpl*_regs0*",
            "*ncdc_processor:processor|*ars_cd_eth_*")
-_CUT_FROM = ("*:page|values*", "*:jtag|request*", "*:jtag|answer*")
+_CUT_FROM = ("*:page|values*", "*:balance|offered*", "*:jtag|request*", "*:jtag|answer*")
 
 
 class _Sdc:
