@@ -186,7 +186,7 @@ def flows(monkeypatch, tmp_path):
     calls = []
 
     def flow(name, **figures):
-        def run(verilog, top, *, progress, seeds=(), make_netlist=None):
+        def run(verilog, top, *, progress, seeds=(), make_netlist=None, speed=None):
             calls.append((name, *seeds))
             return figures | ({"fmax_mhz": 200.0 + 10 * seeds[0]} if seeds else {})
         return run
@@ -222,11 +222,13 @@ def test_the_plain_clock_is_measured_only_when_asked_for(flows):
 
 
 def test_one_netlist_for_all_seeds(monkeypatch, tmp_path):
-    """Yosys, the slow part of small blocks, runs once for any number of placements."""
-    steps = []
+    """Yosys, the slow part of small blocks, runs once for any number of placements; they have the
+    speed grade of their block."""
+    steps, speeds = [], []
 
     def call(tool, folder, *arguments):
         steps.append(arguments[arguments.index("--seed") + 1])
+        speeds.append(arguments[arguments.index("--speed") + 1])
         # A flip-flop that nothing reads goes when the netlist is corrected.
         whole = "unread" in (folder / "netlist.json").read_text()
         (folder / "report.json").write_text(json.dumps({
@@ -248,6 +250,9 @@ def test_one_netlist_for_all_seeds(monkeypatch, tmp_path):
     row, = block_rows("neuron", "hidden", ["ecp5"], seeds=3, plain=True)
     assert steps[4:] == ["1", "2", "3"]
     assert (row["fmax_mhz"], row["fmax_plain_mhz"]) == (102.0, 52.0)
+    assert set(speeds) == {"8"}
+    block_rows("CSI-2", "fault counters", ["ecp5"])
+    assert speeds[-1] == "6"
 
 
 def regressions(rows, baseline):
