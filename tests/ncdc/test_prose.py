@@ -1,4 +1,4 @@
-"""The pages that people read first have short sentences and plain words."""
+"""Pages have short sentences; those that people read first have plain words as well."""
 
 from pathlib import Path
 
@@ -9,6 +9,16 @@ from prose import grade, sentences, syllables
 ROOT = Path(__file__).resolve().parents[2]
 FIRST = [ROOT / "README.md", ROOT / "docs/index.md", *sorted(ROOT.glob("docs/start/*.md")),
          *sorted(ROOT.glob("docs/howto/*.md"))]
+PAGES = [ROOT / "README.md", *sorted(ROOT.glob("docs/**/*.md"))]
+# Pages whose long sentences are still to be split. A page that has none left goes from this list.
+LONG = {ROOT / "docs" / f"{name}.md" for name in """
+    explanation/interpolation reference/axi reference/boards reference/camera reference/client
+    reference/colorlight_i9 reference/colour reference/commands reference/csi2
+    reference/de10_nano reference/descriptor reference/drivers reference/glossary reference/lens
+    reference/memory_ports reference/packetiser reference/packets reference/photo_files
+    reference/protocols reference/registers reference/sdram reference/sensors reference/soc
+    reference/ulx3s reference/usb reference/verilog
+""".split()}
 LONGEST = 25            # words of a sentence
 HIGHEST = 10            # Flesch-Kincaid grade
 
@@ -17,11 +27,22 @@ def long_ones(page):
     return [" ".join(words) for words in sentences(page) if len(words) > LONGEST]
 
 
-@pytest.mark.parametrize("path", FIRST, ids=lambda path: str(path.relative_to(ROOT)))
-def test_sentences_are_short_and_words_are_plain(path):
-    page = path.read_text()
-    assert long_ones(page) == []
-    assert grade(page) <= HIGHEST
+def by_name(path):
+    return str(path.relative_to(ROOT))
+
+
+@pytest.mark.parametrize("path", PAGES, ids=by_name)
+def test_sentences_are_short(path):
+    long = long_ones(path.read_text())
+    if path in LONG:
+        assert long, "this page has no long sentence any more: take it off the list LONG"
+    else:
+        assert long == []
+
+
+@pytest.mark.parametrize("path", FIRST, ids=by_name)
+def test_words_are_plain(path):
+    assert grade(path.read_text()) <= HIGHEST
 
 
 @pytest.mark.parametrize("where", ["{}\n", "- {}\n", "1. {}\n   more.\n", "| cell | {} |\n",
@@ -35,6 +56,11 @@ def test_a_planted_long_sentence_is_found(where):
 def test_code_is_no_prose():
     code = " ".join(["word"] * 30)
     assert long_ones(f"Some `{code}`:\n\n    {code}\n    {code}\n\n```\n{code}\n```\n") == []
+
+
+def test_addresses_of_links_are_no_prose():
+    links = "".join(f"[{n}]: https://example.org/a-b.html\n" for n in range(30))
+    assert long_ones(f"A [link][0].\n\n{links}") == []
 
 
 def test_hard_words_are_found():

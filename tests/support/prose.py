@@ -17,9 +17,10 @@ def _plain(line):
 def _blocks(page):
     """(kind, text) of each paragraph and list item, "prose", and of each cell of a table, "cell".
 
-    Headings and blocks of code are left out.
+    Headings, blocks of code and the addresses of links are left out.
     """
     page = re.sub(r"<!--.*?-->", "", page)
+    page = re.sub(r"^\[[^\]]+\]: \S+$", "", page, flags=re.MULTILINE)
     page = re.sub(r"^```.*?^```$", "", page, flags=re.MULTILINE | re.DOTALL)
     part, blank = [], True
     for line in [*page.splitlines(), ""]:
