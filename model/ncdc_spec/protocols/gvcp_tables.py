@@ -33,7 +33,7 @@ COMMANDS = (
     Message("DISCOVERY", gvcp.DISCOVERY, (), (
         (gvcp.DISCOVERY_BYTES, "the memory from address 0 on"),)),
     Message("FORCEIP", gvcp.FORCEIP, (
-        _NOTHING, (6, "MAC address"), (12, "0"), (4, "IPv4 address"), (12, "0"), (4, "mask"),
+        _NOTHING, (6, "MAC"), (12, "0"), (4, "IPv4 address"), (12, "0"), (4, "mask"),
         (12, "0"), (4, "gateway")), ()),
     Message("PACKETRESEND", gvcp.PACKETRESEND, (
         _NOTHING, (2, "block"), (4, "first packet, bits 23..0"), (4, "last packet, bits 23..0")),

@@ -163,8 +163,8 @@ _FIXED = (
             Flag("PENDING", STATUS_PENDING, "ro", "another frame waits"),
             Flag("COMMITTED", STATUS_COMMITTED, "ro", "a commit waits for the frame boundary"),
             Flag("REFUSED", STATUS_REFUSED, "w1c",
-                 "a write was ignored that would have changed a committed set or valid rows in "
-                 "use, or a start while the corrector runs by itself"),
+                 "a write to a committed set or to valid rows in use was ignored. Or a start was "
+                 "ignored while the corrector runs by itself"),
             Flag("BANK", STATUS_BANK, "ro", "bank of the valid rows in use"),
             Flag("ABORTED", STATUS_ABORTED, "ro",
                  "the last frame lacks pixels: it was aborted, or rejected, see `FAULT`"),
@@ -200,7 +200,7 @@ _FIXED = (
     Register("SCAN_STEP_Y", 0x13, "shadow", Bits(SCAN.width, signed=True),
              f"Normalised distance of two rows, {SCAN}."),
     Register("BAYER_PHASE", 0x14, "shadow", Bits(3),
-             "Parity of the column (bit 0) and the row (bit 1) of the red samples; bit 2: the "
+             "Parity of the column (bit 0) and the row (bit 1) of the red samples. Bit 2: the "
              "sensor is grey, without a colour filter (gradient-corrected interpolation only)."),
     Register("FILL", 0x15, "shadow", Bits(24),
              "Colour of pixels without a source, 0xRRGGBB."),
@@ -223,8 +223,8 @@ _FIXED = (
     Register("INTERLOCK_STALLS", 0x1F, "ro", Bits(32),
              "Cache fetcher: clocks in which a missing tile waited for the slot of one in use."),
     Register("CREDIT_STALLS", 0x20, "ro", Bits(32),
-             "Cache fetcher: clocks in which a window that misses tiles waited as those before it "
-             "were not all asked for, as many as allowed being under way."),
+             "Cache fetcher: clocks in which a window that misses tiles waited, as those before it "
+             "were not all asked for. As many as allowed were under way."),
     Register("PENDING_STALLS", 0x21, "ro", Bits(32),
              "Cache fetcher: clocks in which a window waited because as many as allowed were "
              "pending."),
@@ -235,21 +235,21 @@ _FIXED = (
     _action("FAULT", 0x24, "",
             Flag("SOURCE", FAULT_SOURCE, "w1c",
                  "a sample of the raw frame was not read, because it is not between `SOURCE_BASE` "
-                 "and `SOURCE_LIMIT`: pixels are wrong, or the frame was rejected"),
+                 "and `SOURCE_LIMIT`. Pixels are wrong, or the frame was rejected"),
             Flag("TARGET", FAULT_TARGET, "w1c",
                  "pixels were not written, because they are not between `TARGET_BASE` and "
                  "`TARGET_LIMIT`"),
             Flag("ALIGNMENT", FAULT_ALIGNMENT, "w1c",
                  "a frame was rejected: a base or the pitch is no multiple of the memory word"),
             Flag("SIZE", FAULT_SIZE, "w1c",
-                 "a frame was rejected: a size, the pitch, the strip or the split is beyond its "
-                 "limits, or the width no multiple of the pixels per clock"),
+                 "a frame was rejected. A size, the pitch, the strip or the split is beyond its "
+                 "limits, or the width is no multiple of the pixels per clock"),
             Flag("FORMAT", FAULT_FORMAT, "w1c",
                  "a frame was rejected: `OUTPUT_FORMAT` is none of its values, or "
                  f"{MONO8.name} and `BAYER_PHASE` names no grey sensor"),
             Flag("MEMORY", FAULT_MEMORY, "w1c",
                  "the memory answered a read or a write with an error, which only AXI reports: "
-                 "pixels are wrong; or it was reset in a frame without the corrector: pixels are "
+                 "pixels are wrong. Or it was reset in a frame without the corrector: pixels are "
                  "wrong, or the frame does not end until a reset")),
     _action("CAPABILITIES", CAPABILITIES, "What this instance is.",
             Flag("VERSION", 0xFF, "ro", "version of this register map"),
@@ -273,7 +273,7 @@ _FIXED = (
             Flag("WIDTH", 0x1FFF, "ro", "pixels per row"),
             Flag("HEIGHT", 0x1FFF0000, "ro", "rows"), access="ro"),
     Register("ALTERED", 0x27, "ro", Bits(1),
-             "1: the lens may be another one than DIGEST says: a register of it was written since "
+             "1: the lens may be another one than DIGEST says. A register of it was written since "
              "the reset, or a valid row of the bank in use since configuration."),
     Register("OUTPUT_FORMAT", 0x28, "shadow", Bits(2),
              "Bytes of a pixel in memory, pixels and rows without a gap. "

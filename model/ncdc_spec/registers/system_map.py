@@ -29,8 +29,8 @@ EVENTS = (
     ("CORRECTED_BAD", "a corrected frame ended as bad"),
     ("TAKEN", "a buffer was taken away from a reader that held it for too long"),
     ("I2C_DONE", "the last I2C command is over"),
-    ("REFUSED", "a write was ignored: of a setting or a base while camera or corrector "
-     "were at work with it, or of an I2C command before the last one was over"),
+    ("REFUSED", "a write was ignored. It was of a setting or a base in use by camera or "
+     "corrector, or of an I2C command before the last one was over"),
 )
 """What `CAMERA_STATUS` remembers, each with its bit in `CAMERA_IRQ_ENABLE`."""
 
@@ -147,7 +147,7 @@ def _grid(row):
     return (
         _rw("GRID_WEIGHT", 0x21, Bits(MAX_WEIGHT.bit_length()),
             "By how many sixteenths of the distance to the next sample of its colour each sample "
-            "is moved to an even grid: 0 if the sensor skips nothing, 2 if it and `GRID_BIN` "
+            "is moved to an even grid. It is 0 if the sensor skips nothing, 2 if it and `GRID_BIN` "
             "reduce by 2, 3 if by 4. The window counts in the moved frame, which lacks the last "
             "two columns and rows. Only where `GRID_ROW` is not 0."),
         _rw("GRID_BIN", 0x22, Bits(1),
@@ -164,7 +164,7 @@ def _gains():
     return (Register(
         "CAPTURE_GAINS", 0x24, "rw", Bits(3 * GAIN_BITS),
         "White balance before interpolation: each sample that is captured is multiplied by the "
-        "gain of its colour, of which `BAYER_PHASE` says which it is, after the black level and "
+        "gain of its colour, which `BAYER_PHASE` gives. This is after the black level and "
         "before the curve. A grey sensor's samples have the gain of green. Written at any time; "
         "frames of the sensor that begin afterwards have it.",
         tuple(Flag(name, mask << k * GAIN_BITS, "rw", f"gain of {name.lower()} in 256ths, 256 is "

@@ -50,10 +50,9 @@ def _offset(name, same):
 
 
 def _text(register, text):
-    flags = "; ".join(
-        f"{flag.position} `{flag.name}` ({flag.access}): {flag.text}" for flag in register.flags)
-    flags = flags and f"{flags[0].upper()}{flags[1:]}."
-    return " ".join(part for part in (flags, text) if part)
+    flags = (f"{flag.position.capitalize()} `{flag.name}` ({flag.access}): {flag.text}."
+             for flag in register.flags)
+    return " ".join(part for part in (*flags, text) if part)
 
 
 def _row(offset, name, access, shape, text):
