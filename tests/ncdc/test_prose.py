@@ -10,15 +10,6 @@ ROOT = Path(__file__).resolve().parents[2]
 FIRST = [ROOT / "README.md", ROOT / "docs/index.md", *sorted(ROOT.glob("docs/start/*.md")),
          *sorted(ROOT.glob("docs/howto/*.md"))]
 PAGES = [ROOT / "README.md", *sorted(ROOT.glob("docs/**/*.md"))]
-# Pages whose long sentences are still to be split. A page that has none left goes from this list.
-LONG = {ROOT / "docs" / f"{name}.md" for name in """
-    explanation/interpolation reference/axi reference/boards reference/camera reference/client
-    reference/colorlight_i9 reference/colour reference/commands reference/csi2
-    reference/de10_nano reference/descriptor reference/drivers reference/glossary reference/lens
-    reference/memory_ports reference/packetiser reference/packets reference/photo_files
-    reference/protocols reference/registers reference/sdram reference/sensors reference/soc
-    reference/ulx3s reference/usb reference/verilog
-""".split()}
 LONGEST = 25            # words of a sentence
 HIGHEST = 10            # Flesch-Kincaid grade
 
@@ -33,11 +24,7 @@ def by_name(path):
 
 @pytest.mark.parametrize("path", PAGES, ids=by_name)
 def test_sentences_are_short(path):
-    long = long_ones(path.read_text())
-    if path in LONG:
-        assert long, "this page has no long sentence any more: take it off the list LONG"
-    else:
-        assert long == []
+    assert long_ones(path.read_text()) == []
 
 
 @pytest.mark.parametrize("path", FIRST, ids=by_name)
