@@ -283,7 +283,7 @@ class Hardware:
                 f"--multiplier-bits {self.multiplier_bits}", f"--pixels-per-clock {self.lanes}",
                 *([] if self.stream else [f"--format {self.format}"]),
                 *(["--colour"] if self.colour else []),
-                *(["--raw-balance"] if self.raw_balance else []),
+                *(["--raw-gains"] if self.raw_balance else []),
                 *([f"--bus {self.bus}"] if self.axi else []),
                 *([f"--video {self.video}"] if self.video != VIDEOS[0] else [])]
 

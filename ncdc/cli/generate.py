@@ -45,7 +45,7 @@ def add_arguments(parser) -> None:
     parser.add_argument("-o", "--output", required=True, metavar="DIR", help="folder to write to")
     hardware = parser.add_argument_group("hardware", "none of it changes a pixel")
     add_hardware(hardware)
-    hardware.add_argument("--raw-balance", action="store_true",
+    hardware.add_argument("--raw-gains", action="store_true",
                           help="with registers for white balance of raw frames, before "
                                "interpolation, which change no pixel until they are written; for "
                                "raw frames that NCDC's own camera has not balanced")

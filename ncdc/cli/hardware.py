@@ -111,7 +111,8 @@ def hardware_of(args, board=None):
         chosen = {name: offered[name] if value is None else value for name, value in chosen.items()}
     return Hardware(fetcher=args.fetch, hidden=args.hidden, share=args.share,
                     lanes=args.pixels_per_clock, format=args.format, colour=args.colour,
-                    raw_balance=getattr(args, "raw_balance", None) not in (None, False),
+                    raw_balance=(getattr(args, "raw_gains", False)
+                                 or getattr(args, "raw_balance", None) is not None),
                     bus=getattr(args, "bus", BUSES[0]), video=getattr(args, "video", VIDEOS[0]),
                     **{name: value for name, value in chosen.items() if value is not None})
 

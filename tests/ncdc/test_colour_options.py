@@ -161,7 +161,7 @@ def test_raw_frames_of_the_multiport_fetcher_are_not_balanced(folder, tmp_path, 
 @pytest.mark.longer
 def test_generate_puts_it_in_only_if_asked(folder, tmp_path):
     texts = {}
-    for name, options in (("without", []), ("with", ["--colour", "--raw-balance"])):
+    for name, options in (("without", []), ("with", ["--colour", "--raw-gains"])):
         assert main(["generate", str(folder / "net.toml"), "-o", str(tmp_path / name),
                      *options]) == 0
         texts[name] = {file: (tmp_path / name / file).read_text()
@@ -169,7 +169,7 @@ def test_generate_puts_it_in_only_if_asked(folder, tmp_path):
                                     "ncdc_lenses.c")}
     assert texts["without"] != texts["with"]
     assert texts["without"]["ncdc_lenses.c"] == texts["with"]["ncdc_lenses.c"]
-    for word, file in (("--colour", "ncdc.v"), ("--raw-balance", "ncdc.v"),
+    for word, file in (("--colour", "ncdc.v"), ("--raw-gains", "ncdc.v"),
                        ("RAW_GAIN_BLUE", "ncdc_registers.h"),
                        ("reg [9:0] raw_gain_red = 10'h100;", "ncdc.v"),
                        ("reg [9:0] gain_red = 10'h100;", "ncdc.v"),

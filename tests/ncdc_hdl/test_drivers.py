@@ -231,7 +231,7 @@ def test_drivers_of_a_corrector_with_colour(tmp_path):
         "a gain is 1.5, an integer of 0 to 1023 is needed",
         "a gain is 1024, an integer of 0 to 1023 is needed",
         "the corrector has no registers for colour: it was generated without --colour",
-        "the corrector has no gains before interpolation: it was generated without --raw-balance"]
+        "the corrector has no gains before interpolation: it was generated without --raw-gains"]
     (tmp_path / "colour.c").write_text("""#include <stdio.h>
 #include "ncdc.h"
 int main(void)

@@ -230,7 +230,7 @@ class Corrector:
         """
         if not self.raw_gains or "RAW_GAIN_RED" not in registers.OFFSET:
             raise CorrectorError("the corrector has no gains before interpolation: it was "
-                                 "generated without --raw-balance")
+                                 "generated without --raw-gains")
         self._put_set([f"RAW_GAIN_{name}" for name in _COLOURS], gains, "gain", LARGEST_GAIN)
 
     def tone(self, nodes):
