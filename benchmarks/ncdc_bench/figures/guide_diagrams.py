@@ -59,6 +59,20 @@ DRAWINGS = {
         "all parts but the counters are in the clock of the bytes; with aligned=True the PHY "
         "aligns the words",
         (15.5, 4.9), ((13.8, 2.6, 1.2, "begins, ends, faults"),)),
+    "gains.svg": Drawing(
+        ((0, 4.6, 2.2, 1.6, "sensor\n\n12 bits"),
+         (4.0, 4.6, 3.0, 1.6, "black level\n\nCAPTURE_GAINS"),
+         (9.2, 4.6, 2.4, 1.6, "curve\n\n12 bits to 8"),
+         (14.0, 4.6, 3.2, 1.6, "memory\n\nraw frames"),
+         (14.0, 1.0, 3.2, 1.8, "tiles are filled\n\nRAW_GAIN_RED, ..."),
+         (8.6, 1.0, 3.0, 1.8, "interpolation\n\nlens correction"),
+         (2.8, 1.0, 3.0, 1.8, "GAIN_RED, ...\n\nTONE0 to TONE16"),
+         (-1.6, 1.0, 1.8, 1.8, "corrected\npixels")),
+        ((2.2, 4.0, 5.4, "", ""), (7.0, 9.2, 5.4, "", ""), (11.6, 14.0, 5.4, "", ""),
+         (14.0, 11.6, 1.9, "", ""), (8.6, 5.8, 1.9, "RED_SUM, ...", "measured here"),
+         (2.8, .2, 1.9, "", "")),
+        "gains of capture: every camera system; RAW_GAIN: --raw-balance; GAIN and TONE: --colour",
+        (12.5, 4.6), ((15.6, 4.6, 2.8, ""),)),
     "guide-platform-designer.png": Drawing(
         ((0, 0, 2.9, 4.6, "your system in\nPlatform Designer\n\nprocessor or\nJTAG host\n\n"
           "memory controller"),
