@@ -71,7 +71,7 @@ DRAWINGS = {
         ((2.2, 4.0, 5.4, "", ""), (7.0, 9.2, 5.4, "", ""), (11.6, 14.0, 5.4, "", ""),
          (14.0, 11.6, 1.9, "", ""), (8.6, 5.8, 1.9, "RED_SUM, ...", "measured here"),
          (2.8, .2, 1.9, "", "")),
-        "gains of capture: every camera system; RAW_GAIN: --raw-balance; GAIN and TONE: --colour",
+        "gains of capture: every camera system; RAW_GAIN: --raw-gains; GAIN and TONE: --colour",
         (12.5, 4.6), ((15.6, 4.6, 2.8, ""),)),
     "guide-platform-designer.png": Drawing(
         ((0, 0, 2.9, 4.6, "your system in\nPlatform Designer\n\nprocessor or\nJTAG host\n\n"
