@@ -88,7 +88,7 @@ def test_the_page_compares_as_the_report_does():
     rows = json.loads((docs / "figures/accuracy-residual-0.json").read_text())["rows"]
     best = {row["lens"]: row["mse"] for row in rows if row["model"] == "opencv-full"}
     times = [row["mse"] / best[row["lens"]] for row in rows if row["hidden_neurons"] == 12]
-    text = f"its MSE is {min(times):.1f} to {max(times):.0f} times less"
+    text = f"Its MSE is {min(times):.1f} to {max(times):.0f} times less"
     assert text in (docs / "evidence/accuracy.md").read_text()
 
 

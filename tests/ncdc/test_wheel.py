@@ -30,7 +30,7 @@ def packages():
 
 
 def forgotten(patterns):
-    """Files in the wheel's packages that are no Python and that no pattern of package-data names."""
+    """Files in packages of the wheel that are no Python and that package-data does not name."""
     lost = []
     for name, folder in packages().items():
         if name == "ncdc_bench":
