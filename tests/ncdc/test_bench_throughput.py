@@ -73,7 +73,7 @@ def test_each_goal_has_a_row_among_the_runs(runs):
     wide = [row for row in rows if row["pixels_per_clock"] == 1]
     assert [name for name, _, _, holds in goal_rows(wide) if holds is None] == [
         "clocks per pixel, two pixels per clock (at least 1.9 pixels per clock)",
-        "clocks per pixel, gradient, four pixels per clock (at least 3.9 pixels per clock)"]
+        "clocks per pixel, directional, four pixels per clock (at least 3.9 pixels per clock)"]
 
 
 @pytest.mark.parametrize("list_of_runs,status", [("--quick", 0), ("--all", 1)])
@@ -98,7 +98,7 @@ def test_no_run_twice_and_every_turn_of_both_lenses():
 def test_table_four_begins_with_the_paper():
     rows = table_four([ROW, ROW | {"memory": "fixed:100:4"}, ROW | {"rotation": 45}])
     assert [row[-1] for row in rows] == [0.47, 8.21, 48.0]
-    assert len(table_four([ROW | {"interpolation": "gradient"}])) == 2
+    assert len(table_four([ROW | {"interpolation": "directional"}])) == 2
 
 
 def test_rows_are_printed_and_plotted(tmp_path):
@@ -113,7 +113,7 @@ def test_rows_are_printed_and_plotted(tmp_path):
 @pytest.mark.regress
 def test_a_frame_is_measured():
     runs = [Run("cache", Lens(105, (96, 72))), Run("cache", Lens(105, (96, 72), 90)),
-            Run("cache", Lens(105, (96, 72), interpolation="gradient"))]
+            Run("cache", Lens(105, (96, 72), interpolation="directional"))]
     rows = list(measure(runs))
     assert set(rows[0]) == set(ROW)
     for row, size in zip(rows, ((96, 72), (72, 96), (96, 72))):

@@ -42,7 +42,7 @@ class Lens:
         Distance of the nodes; 1: where the subject is the memory side, the network is evaluated at
         every pixel.
     interpolation : str
-        "fast" or "gradient".
+        "fast", "gradient" or "directional".
     """
     degrees: float
     size: tuple
