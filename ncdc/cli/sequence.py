@@ -146,13 +146,13 @@ def correct_film(args, path):
 def _remapping(sequence, kernel):
     """Function that remaps pictures of finished colours by the map of a descriptor."""
     geometry = sequence.descriptor.geometry
-    tables = remap_tables(sequence.descriptor)
+    map_x, map_y = remap_tables(sequence.descriptor)
     blank = correction_of(sequence.descriptor, sequence.model).blank.view(np.uint8)
     fill = np.full((*blank.shape, 3), geometry.fill, np.uint8)
 
     def remapped(picture):
         sequence.count += 1
-        found = cv2.remap(picture, *tables, kernel, borderMode=cv2.BORDER_REPLICATE)
+        found = cv2.remap(picture, map_x, map_y, kernel, borderMode=cv2.BORDER_REPLICATE)
         return cv2.copyTo(fill, blank, found)
     return remapped
 

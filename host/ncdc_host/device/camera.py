@@ -222,6 +222,6 @@ def _sums(corrected, fill):
     The same as :meth:`ColourSums.of`, which takes a third of the time of a correction.
     """
     blank = int(np.count_nonzero(corrected.blank))
-    colours = [int(total - blank * value)
-               for total, value in zip(cv2.sumElems(corrected.picture), fill)]
-    return ColourSums(*colours, corrected.blank.size - blank)
+    red, green, blue = (int(total - blank * value)
+                        for total, value in zip(cv2.sumElems(corrected.picture), fill))
+    return ColourSums(red, green, blue, corrected.blank.size - blank)

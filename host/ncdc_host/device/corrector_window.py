@@ -64,9 +64,9 @@ class CorrectorWindow:
             self._words |= {self._map["ID"].address: ID,
                             self._map["DIGEST"].address: int(descriptor.digest[:8], 16),
                             self._map["NEURONS"].address: descriptor.hidden_neurons}
+            width, height = descriptor.geometry.corrected
             self._words |= {self._map[name].address: value for name, value in capabilities(
-                _HARDWARE.made_for(descriptor), *descriptor.geometry.corrected,
-                capture=True).items()}
+                _HARDWARE.made_for(descriptor), width, height, capture=True).items()}
             if descriptor.nodes > 1:
                 self._words[self._map["NODES"].address] = descriptor.nodes
             self._colour = None

@@ -40,5 +40,6 @@ class TableServer(table_users.TableServer):
         """Header and data of the newest picture."""
         frame = self._camera.newest()
         user.frame = frame.number
-        return MrawHeader(*frame.size, frame.pixel_format, self._address, self.port,
+        width, height = frame.size
+        return MrawHeader(width, height, frame.pixel_format, self._address, self.port,
                           frame.time_ns // 1000).pack(), frame.data

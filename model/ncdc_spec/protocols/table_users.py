@@ -141,11 +141,8 @@ class Users:
 
 
 class TableServer:
-    """Listens on (``address``, ``port``), and answers by three methods of a subclass.
-
-    ``read(user, address)`` returns a word. ``write(address, value)`` writes a word, if it can be
-    written; the answer holds what is read back. ``package(user)`` returns the parts of the newest
-    picture's package and sets ``user.frame``; None ends the connection.
+    """Listens on (``address``, ``port``), and answers by three methods of a subclass: ``read``,
+    ``write`` and ``package``.
 
     Parameters
     ----------
@@ -171,6 +168,19 @@ class TableServer:
         self._unknown, self._lock = table["unknown"], lock
         self._users = Users(listener, table["users"], table["idle_seconds"],
                             {table["codes"]["READ"], table["codes"]["WRITE"]}, self._answer)
+
+    def read(self, user, address):
+        """The word at ``address``."""
+        raise NotImplementedError
+
+    def write(self, address, value):
+        """Write a word, if it can be written; the answer holds what is read back."""
+        raise NotImplementedError
+
+    def package(self, user):
+        """The parts of the newest picture's package, with ``user.frame`` set; None ends the
+        connection."""
+        raise NotImplementedError
 
     def serve(self):
         """Serve until :meth:`close`."""
