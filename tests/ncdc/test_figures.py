@@ -25,11 +25,8 @@ from ncdc_spec.errors import InputError
 
 ROOT = Path(__file__).resolve().parents[2]
 REMEDY = "run python -m ncdc_bench.figures.quote, and look at git diff"
-# Pages whose numbers have no names yet.
-UNNAMED = {"docs/explanation/interpolation.md"}
 CONSTANTS = tomllib.loads(Path(__file__).with_name("page_constants.toml").read_text())
 PAGES = [str(path.relative_to(ROOT)) for path in pages(ROOT)]
-NAMED = [page for page in PAGES if page not in UNNAMED]
 FIGURES = {"bench": {"worst": 0.2468, "rows": {
     "a": {"name": "a", "size": 12345, "mhz": 100.04}, "b": {"name": "b", "size": 7, "mhz": None}}}}
 FORM = "<!--rows=bench.rows | {name} | {size:,} | {mhz:.1f} |-->\n\n"
@@ -75,7 +72,7 @@ def test_every_group_has_its_command_date_and_version():
                for group in groups.values())
 
 
-@pytest.mark.parametrize("page", NAMED)
+@pytest.mark.parametrize("page", PAGES)
 def test_no_page_copies_a_figure_without_its_name(page, quoted):
     shown = {text for found in quoted.values() for quote in found if not quote.fields
              for text in quote.shown}
@@ -88,7 +85,7 @@ def _constants(page):
             for numbers in part.values() for number in numbers}
 
 
-@pytest.mark.parametrize("page", NAMED)
+@pytest.mark.parametrize("page", PAGES)
 def test_every_measured_number_is_quoted_or_history(page):
     wrong = [(line, number) for line, number in unnamed((ROOT / page).read_text())
              if number not in _constants(page)]

@@ -29,7 +29,6 @@ def _demo(report):
     pixels = {"compared": report["pixels_compared"], "differ": report["pixels_different"]}
     psnr = {name.removeprefix("psnr_").removesuffix("_db"): value
             for name, value in report.items() if re.fullmatch(r"psnr_\w+_db", name)}
-    psnr["gain"] = psnr[report["interpolation"]] - psnr["demosaic"]
     straightness = {"before": report["straightness_before_rms_px"],
                     "after": report["straightness_rms_px"]}
     return {"dots": report["points_found"], "pixels": pixels,
