@@ -73,7 +73,11 @@ class Bilinear(wiring.Component):
             upper = self._lerp(m, f"u{colour}", q00, q01, fx, more)
             lower = self._lerp(m, f"l{colour}", q10, q11, fx, more)
             # Cycles 6 to 10 or 11: interpolate between the rows.
-            self._rounded(m, colour, self._lerp(m, f"v{colour}", upper, lower, fy, 0))
+            total = self._lerp(m, f"v{colour}", upper, lower, fy, 0)
+            if not self.colour.signed and not _is_wide(lower - upper):
+                # Coordinates of few fraction bits: as late as with more of them.
+                total = pipeline.register(m, f"v{colour}_late", total)
+            self._rounded(m, colour, total)
         return m
 
     def _lerp(self, m, name, a, b, fraction, more):
@@ -86,7 +90,7 @@ class Bilinear(wiring.Component):
         register = partial(pipeline.register, m)
         # Cycles 1 and 2: subtract, and the register before the multiplier.
         difference = register(f"{name}_d1", register(f"{name}_d0", b - a))
-        wide = len(difference) > _BLOCK
+        wide = _is_wide(difference)
         low = difference[:_BLOCK - 1] if wide else difference
         # Cycles 3 and 4: multiply.
         product = register(f"{name}_p1", register(f"{name}_p0", low * fraction))
@@ -115,3 +119,8 @@ class Bilinear(wiring.Component):
         # Cycle 12: clamp, by the bits above a byte: a comparison would be a chain of carries.
         negative, above = rounded[-1], rounded[8:-1].any()
         m.d.sync += self.o[colour].eq(Mux(negative, 0, rounded[:8] | above.replicate(8)))
+
+
+def _is_wide(difference):
+    """Whether a ``difference`` has more bits than a multiplier block."""
+    return len(difference) > _BLOCK

@@ -10,7 +10,7 @@ from ncdc_model.golden.corrector import correct
 from ncdc_model.images import read_image, write_image
 from ncdc_model.lens import Camera
 from ncdc_spec.descriptor import Descriptor
-from ncdc_spec.interpolation import FAST, GRADIENT
+from ncdc_spec.interpolation import DIRECTIONAL, FAST
 
 pytestmark = pytest.mark.longer
 
@@ -29,7 +29,7 @@ def folder(tmp_path_factory):
 
 def test_the_default_is_in_the_descriptor_and_correct_follows_it(folder):
     descriptor = Descriptor.load(folder / "net.toml")
-    assert descriptor.geometry.interpolation == GRADIENT
+    assert descriptor.geometry.interpolation == DIRECTIONAL
     assert 'interpolation = "directional"' in (folder / "net.toml").read_text()
     raw = np.random.default_rng(1).integers(0, 256, (48, 64), np.uint8)
     write_image(folder / "raw.png", raw)

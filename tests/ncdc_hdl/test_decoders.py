@@ -90,29 +90,31 @@ def test_green_of_a_grey_sensor_is_each_sample(needs):
                                       grey_corners(window)[:, :, 1])
 
 
+@pytest.mark.parametrize("f_bits", [4, 8, 10, 12])
 @both
-def test_bilinear_equals_model_and_clamps(needs):
+def test_bilinear_equals_model_and_clamps(needs, f_bits):
     rng = np.random.default_rng(3)
     high, low = (255 * sign for sign in LARGEST[needs])
     corners = rng.integers(-low, high + 1, (2, 2, 3, 400))
     corners[..., 0], corners[..., 1] = high, -low
     corners[:, 0, :, 2], corners[:, 1, :, 2] = -low, high
     corners[0, :, :, 3], corners[1, :, :, 3] = -low, high
-    fractions = rng.integers(0, 1 << F, (400, 2))
-    fractions[:5] = [[0, 0], [0, 0], [1023, 1023], [1023, 0], [0, 1023]]
+    last = (1 << f_bits) - 1
+    fractions = rng.integers(0, last + 1, (400, 2))
+    fractions[:5] = [[0, 0], [0, 0], [last, last], [last, 0], [0, last]]
     turned = rng.integers(0, 2, 400)
-    dut = Bilinear(F, needs, GATEWARE[needs]().signature.members["o"].shape)
+    dut = Bilinear(f_bits, needs, GATEWARE[needs]().signature.members["o"].shape)
 
     def drive(ctx, k):
         fx = int(fractions[k, 0])
         ctx.set(dut.i, corners[:, ::-1 if turned[k] else 1, :, k].ravel().tolist())
-        ctx.set(dut.fx, (1 << F) - fx if turned[k] else fx)
+        ctx.set(dut.fx, (1 << f_bits) - fx if turned[k] else fx)
         ctx.set(dut.fy, int(fractions[k, 1]))
         if needs == DIRECTIONAL:
             ctx.set(dut.crest, 32)      # no crest: the half of the rounding alone
 
     got = np.array(run_pipeline(dut, list(range(400)), drive, lambda: list(dut.o)))
-    np.testing.assert_array_equal(got, bilinear(corners, *fractions.T, F, needs))
+    np.testing.assert_array_equal(got, bilinear(corners, *fractions.T, f_bits, needs))
     assert {0, 255} <= set(got.ravel().tolist())
 
 

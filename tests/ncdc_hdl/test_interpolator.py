@@ -41,14 +41,16 @@ def test_bayer_quads_of_a_flat_colour_are_that_colour():
                 assert (quads.reshape(4, 3) == [400, 100, 20]).all(), (bayer, x0, y0)
 
 
-def test_bilinear_equals_model():
+@pytest.mark.parametrize("f_bits", [6, 8, 9, 10, 12])
+def test_bilinear_equals_model(f_bits):
     rng = np.random.default_rng(3)
     quads = rng.integers(0, 511, (2, 2, 3, 400))
     quads[..., 0], quads[..., 1] = 510, 0
     quads[:, 0, :, 2], quads[:, 1, :, 2] = 0, 510
-    fractions = rng.integers(0, 1 << F, (400, 2))
-    fractions[:4] = [[0, 0], [0, 0], [1023, 1023], [1023, 0]]
-    dut = Bilinear(F)
+    last = (1 << f_bits) - 1
+    fractions = rng.integers(0, last + 1, (400, 2))
+    fractions[:4] = [[0, 0], [0, 0], [last, last], [last, 0]]
+    dut = Bilinear(f_bits)
 
     def drive(ctx, k):
         ctx.set(dut.i, quads[..., k].ravel().tolist())
@@ -56,7 +58,7 @@ def test_bilinear_equals_model():
         ctx.set(dut.fy, int(fractions[k, 1]))
 
     got = run_pipeline(dut, list(range(400)), drive, lambda: list(dut.o))
-    np.testing.assert_array_equal(got, bilinear(quads, *fractions.T, F))
+    np.testing.assert_array_equal(got, bilinear(quads, *fractions.T, f_bits))
 
 
 def test_bilinear_rounds_to_nearest():

@@ -14,7 +14,7 @@ from ncdc_sim.system.frame import Program, simulate_frame
 from ncdc_spec.colour import Colour
 from ncdc_spec.frames import frame_bytes, raw_image, stored_picture
 from ncdc_spec.hardware import Hardware
-from ncdc_spec.interpolation import FAST, GRADIENT
+from ncdc_spec.interpolation import DIRECTIONAL, FAST, GRADIENT
 from ncdc_spec.registers.host_values import colour_values, host_values
 from ncdc_spec.registers.register_map import CTRL_COMMIT, CTRL_START, STATUS_DONE, registers
 from ncdc_spec.white_balance import grey_world
@@ -125,6 +125,7 @@ def test_hardware_without_colour_has_nothing_of_it():
     text = corrector_verilog(camera(), Hardware())
     assert not any(name in text for name in ("gain_red", "tone0", "red_sum", "balanced0"))
     assert "gain_red" in corrector_verilog(camera(), Hardware(colour=True))
-    plain, coloured = (Corrector(camera(), Hardware(colour=colour)).interpolator
+    deep = camera(interpolation=DIRECTIONAL)        # its pipeline needs more than the least queue
+    plain, coloured = (Corrector(deep, Hardware(colour=colour)).interpolator
                        for colour in (False, True))
     assert coloured.queued - plain.queued == coloured.latency - plain.latency == 10
