@@ -36,7 +36,7 @@ docs: setup ## these pages as a site, build/site; opens from disk, needs no netw
 gui: setup ## the window of the client, with two emulated devices
 	$(BIN)/ncdc client gui --demo
 
-quick: setup ## ruff, and the tests of model, host and imports: a minute
+quick: setup ## ruff, and the tests of model, host and imports: a minute or two
 	$(BIN)/ruff check
 	$(BIN)/python -m pytest -m 'not regress and not longer' -n 2 --dist worksteal \
 		tests/test_rooms.py tests/model tests/host
