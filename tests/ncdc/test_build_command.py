@@ -178,15 +178,15 @@ def test_synthesis_alone_ends_with_the_netlist(net, tmp_path):
     output, report = tmp_path / "out", tmp_path / "report.json"
     assert cli.main(["build", str(net), "--sensor", "pattern", "--synthesize-only",
                      "-o", str(output), "--json", str(report)]) == 0
-    told = json.loads(report.read_text())
-    assert told["files"][0] == str(output / "ncdc_ulx3s.json")
-    assert sorted(told["files"]) == sorted(map(str, output.iterdir()))
+    written = json.loads(report.read_text())
+    assert written["files"][0] == str(output / "ncdc_ulx3s.json")
+    assert sorted(written["files"]) == sorted(map(str, output.iterdir()))
     netlist = json.loads((output / "ncdc_ulx3s.json").read_text())
     top = netlist["modules"]["ncdc_ulx3s"]
     assert any("hdmi" in port for port in top["ports"])
     assert not any("camera" in port for port in top["ports"])
-    assert told["cells"]["LUT4"] == sum(cell["type"] == "LUT4" for cell in top["cells"].values())
+    assert written["cells"]["LUT4"] == sum(cell["type"] == "LUT4" for cell in top["cells"].values())
     targets = clock_plan(MODES[0]).targets()
-    assert {clock["name"]: clock["target_mhz"] for clock in told["clocks"]} == targets
+    assert {clock["name"]: clock["target_mhz"] for clock in written["clocks"]} == targets
     preferences = (output / "ncdc_ulx3s.lpf").read_text()
     assert all(f"{mhz * 1e6:.0f} HZ" in preferences for mhz in targets.values())
