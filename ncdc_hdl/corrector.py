@@ -122,7 +122,8 @@ class Corrector(wiring.Component):
         self.row_gate = RowGate(f_bits, lanes, needs)
         self.fetch = (Cache(f_bits, data_width, self.hardware.cache, lanes, hardware.raw_balance)
                       if hardware.cached else Multiport(f_bits, data_width))
-        self.interpolator = Interpolator(f_bits, lanes, needs, hardware.colour)
+        self.interpolator = Interpolator(f_bits, lanes, needs, hardware.colour,
+                                         self.fetch.window_latency)
         rows = registers(descriptor.hidden_neurons, formats, descriptor.nodes, hardware.colour,
                          hardware.raw_balance)
         self.registers = Registers(

@@ -10,7 +10,7 @@ from ncdc_hdl.backend.colour import COLOUR, SUMS, Colour, ColourSums
 from ncdc_hdl.backend.directional import Crest, DirectionalPoints
 from ncdc_hdl.backend.gradient import GradientPoints
 from ncdc_hdl.backend.layouts import pixel_layout, window_layout
-from ncdc_hdl.lib.credits import CreditQueue
+from ncdc_hdl.lib.credits import Credited, CreditQueue
 from ncdc_hdl.lib.groups import lanes_of
 from ncdc_hdl.lib.pipeline import DelayMemory, delay
 from ncdc_spec.interpolation import DIRECTIONAL, FAST, GRADIENT
@@ -21,10 +21,10 @@ _DECODERS = {FAST: BayerQuads, GRADIENT: GradientPoints, DIRECTIONAL: Directiona
 _QUEUED = 32    # fewest groups: a smaller queue takes as much memory
 
 class Interpolator(wiring.Component):
-    """Bayer decoder and bilinear interpolator between two streams; blank pixels get the fill.
+    """Bayer decoder and bilinear interpolator of windows; blank pixels get the fill.
 
-    The arithmetic runs free; a window is taken only if the output queue has space for its pixel.
-    Timing: one group per clock; ``latency`` clocks from a window to its pixel in the queue.
+    The arithmetic runs free; a window is announced only if the output queue has space for its
+    pixel. Timing: one group per clock; ``latency`` clocks from a window to its pixel in the queue.
 
     Parameters
     ----------
@@ -35,6 +35,8 @@ class Interpolator(wiring.Component):
     interpolation : Interpolation
     colour : bool
         Whether there are white balance and tone after the interpolation, and sums of the colours.
+    window_latency : int
+        Clocks from ``i.issue`` to the window.
 
     Members
     -------
@@ -51,19 +53,20 @@ class Interpolator(wiring.Component):
         Gains and tone curve, constant during a frame; for pixels with a source. Begins a frame,
         before its first window. Sums of its colours before the gains, for pixels with a source. All
         three only with ``colour``.
-    i : ``In(stream.Signature(window_layout(f_bits, lanes, interpolation)))``
+    i : ``In(Credited(window_layout(f_bits, lanes, interpolation)))``
     o : ``Out(stream.Signature(pixel_layout(lanes)))``
     """
 
-    def __init__(self, f_bits, lanes=1, interpolation=FAST, colour=False):
+    def __init__(self, f_bits, lanes=1, interpolation=FAST, colour=False, window_latency=0):
         self.f_bits, self.lanes, self.interpolation = f_bits, lanes, interpolation
+        self.window_latency = window_latency
         self.decoders = [_DECODERS[interpolation]() for _ in range(lanes)]
         self.bilinears = [Bilinear(f_bits, interpolation, decoder.signature.members["o"].shape)
                           for decoder in self.decoders]
         self.colours = [Colour() for _ in range(lanes)] if colour else []
         super().__init__({
             "phase": In(2), "fill": In(24),
-            "i": In(stream.Signature(window_layout(f_bits, lanes, interpolation))),
+            "i": In(Credited(window_layout(f_bits, lanes, interpolation))),
             "o": Out(stream.Signature(pixel_layout(lanes))),
         } | ({} if interpolation == FAST else {"mono": In(1)})
             | ({"crest": In(2)} if interpolation == DIRECTIONAL else {})
@@ -77,21 +80,21 @@ class Interpolator(wiring.Component):
 
     @property
     def queued(self):
-        """Groups that the queue and the pipeline before it hold."""
-        return max(_QUEUED, CreditQueue.min_depth(self.latency))
+        """Groups that the queue and the pipelines before it hold, from ``i.issue`` on."""
+        return max(_QUEUED, CreditQueue.min_depth(self.window_latency + self.latency))
 
     def elaborate(self, platform):
         m = Module()
         m.submodules.queue = queue = CreditQueue(
             pixel_layout(self.lanes), depth=self.queued)
         m.d.comb += [
-            self.i.ready.eq(queue.space), queue.issue.eq(self.i.valid & self.i.ready),
-            queue.arrive.eq(delay(m, queue.issue, self.latency, "issue", reset_less=False)),
+            self.i.space.eq(queue.space), queue.issue.eq(self.i.issue),
+            queue.arrive.eq(delay(m, self.i.valid, self.latency, "valid", reset_less=False)),
             Cat(queue.i.first, queue.i.last).eq(
-                delay(m, Cat(self.i.p.first, self.i.p.last), self.latency, "flags")),
+                delay(m, Cat(self.i.payload.first, self.i.payload.last), self.latency, "flags")),
         ]
         for k, (window, pixel, bayer, bilinear) in enumerate(zip(
-                lanes_of(self.i.p), lanes_of(queue.i), self.decoders, self.bilinears)):
+                lanes_of(self.i.payload), lanes_of(queue.i), self.decoders, self.bilinears)):
             m.submodules[f"bayer{k}"] = bayer
             m.submodules[f"bilinear{k}"] = bilinear
             m.d.comb += [
@@ -118,7 +121,7 @@ class Interpolator(wiring.Component):
                 colours = self._coloured(m, k, colours)
             m.d.comb += Cat(pixel.b, pixel.g, pixel.r).eq(Mux(blank, self.fill, colours))
         if self.colours:
-            self._sums(m, queue.issue)
+            self._sums(m)
         wiring.connect(m, queue.o, wiring.flipped(self.o))
         return m
 
@@ -142,11 +145,11 @@ class Interpolator(wiring.Component):
                      Cat(colour.i[2], colour.i[1], colour.i[0]).eq(colours)]
         return Cat(colour.o[2], colour.o[1], colour.o[0])
 
-    def _sums(self, m, issue):
+    def _sums(self, m):
         """Sum up the inputs of the gains, for pixels with a source."""
         m.submodules.sums = sums = ColourSums(self.lanes)
         interpolated = self.latency - self.colours[0].latency
-        seen = Cat(issue & ~window.blank for window in lanes_of(self.i.p))
+        seen = Cat(self.i.valid & ~window.blank for window in lanes_of(self.i.payload))
         m.d.comb += [sums.begin.eq(self.begin), self.sums.eq(sums.sums),
                      sums.counts.eq(delay(m, seen, interpolated, "seen", reset_less=False)),
                      *(sums.i[k].eq(colour.i) for k, colour in enumerate(self.colours))]

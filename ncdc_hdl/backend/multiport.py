@@ -11,6 +11,7 @@ from ncdc_hdl.avalon.bus import ADDRESS_BITS, ReadHost
 from ncdc_hdl.avalon.read_fence import ReadFence
 from ncdc_hdl.backend.layouts import request_layout, window_layout
 from ncdc_hdl.frontend.layouts import SIZE
+from ncdc_hdl.lib.credits import Credited
 from ncdc_spec.interpolation import FAST
 
 __all__ = ["Multiport"]
@@ -48,7 +49,8 @@ class Multiport(wiring.Component):
     memory_rst : ``In(1)``
         As in :class:`ncdc_hdl.avalon.read_commands.ReadCommands`.
     i : ``In(stream.Signature(request_layout(f_bits)))``
-    o : ``Out(stream.Signature(window_layout(f_bits)))``
+    o : ``Out(Credited(window_layout(f_bits)))``
+        A window comes with its ``issue``.
     bus0, bus1, bus2 : ``Out(ReadHost(...))``
     outside, empty : ``Out(1)``
         A row of a window is requested that is outside the area; as in :class:`ReadFence`.
@@ -59,6 +61,8 @@ class Multiport(wiring.Component):
     """
 
     ports = FAST.window
+    window_latency = 0
+    """Clocks from ``o.issue`` to the window."""
 
     def __init__(self, f_bits, data_width, *, in_flight=4):
         self.f_bits, self.data_width, self.in_flight = f_bits, data_width, in_flight
@@ -66,7 +70,7 @@ class Multiport(wiring.Component):
             "base": In(ADDRESS_BITS), "limit": In(ADDRESS_BITS), "pitch": In(SIZE),
             "height": In(SIZE), "memory_rst": In(1), "outside": Out(1), "empty": Out(1),
             "i": In(stream.Signature(request_layout(f_bits))),
-            "o": Out(stream.Signature(window_layout(f_bits))),
+            "o": Out(Credited(window_layout(f_bits))),
             **{f"bus{r}": Out(ReadHost(data_width, _MAX_BURST)) for r in range(FAST.window)},
             "fetched": Out(1), "waiting": Out(1),
         })
@@ -157,6 +161,9 @@ class Multiport(wiring.Component):
         token = data.View(token_layout, tokens.r_data)
         offset = Signal(len(token.offset))      # offset of the window in the readers' words
         here = Signal(len(token.offset))        # offset of the window that is answered
+        space = Signal(init=1)                  # there is space for the window
+        m.d.sync += space.eq(self.o.space)
+        answered = Signal()                     # the words of the oldest token are there
         complete = []
         for r, reader in enumerate(readers):
             words = Signal(2 * self.data_width, name=f"words{r}")       # the words received
@@ -166,19 +173,20 @@ class Multiport(wiring.Component):
             with m.If(reader.o.valid & reader.o.ready):
                 m.d.sync += [words.word_select(count[0], self.data_width).eq(reader.o.payload),
                              count.eq(count + 1)]
-            with m.If(self.o.valid & self.o.ready):
+            with m.If(self.o.valid):
                 m.d.sync += count.eq(0)
             complete.append(count == needed)
             row = (words >> (here << 3))[:8 * FAST.window]
-            m.d.comb += [self.o.p.samples[FAST.window * r + k].eq(row.word_select(k, 8))
+            m.d.comb += [self.o.payload.samples[FAST.window * r + k].eq(row.word_select(k, 8))
                          for k in range(FAST.window)]
         m.d.comb += [
             here.eq(Mux(token.fetch, token.offset, offset)),
-            self.o.valid.eq(tokens.r_rdy & (~token.fetch | Cat(complete).all())),
-            tokens.r_en.eq(self.o.valid & self.o.ready),
-            self.waiting.eq(tokens.r_rdy & ~self.o.valid),
-            *(self.o.p[name].eq(token[name]) for name in
+            answered.eq(~token.fetch | Cat(complete).all()),
+            self.o.valid.eq(tokens.r_rdy & answered & space), self.o.issue.eq(self.o.valid),
+            tokens.r_en.eq(self.o.valid),
+            self.waiting.eq(tokens.r_rdy & ~answered),
+            *(self.o.payload[name].eq(token[name]) for name in
               ("odd_column", "odd_row", "fx", "fy", "blank", "first", "last")),
         ]
-        with m.If(self.o.valid & self.o.ready & token.fetch):
+        with m.If(self.o.valid & token.fetch):
             m.d.sync += offset.eq(token.offset)

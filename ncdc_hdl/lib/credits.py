@@ -7,12 +7,28 @@ from amaranth.lib.wiring import In, Out
 from ncdc_hdl.lib.memory import Fifo
 from ncdc_hdl.lib.pipeline import register
 
-__all__ = ["CreditQueue"]
+__all__ = ["CreditQueue", "Credited"]
 
 # Items that may still be issued after ``claimed`` reaches the limit: one in the clock of
 # each of the two registers of ``space``, one in the producer's clock after them, and one in that of
 # the register of ``issue``.
 _MARGIN = 4
+
+
+class Credited(wiring.Signature):
+    """Items that do not wait: their receiver has space for each item before it is on its way.
+
+    The source may announce one item, with ``issue``, in the clock after each in which ``space`` is
+    high. The item is at ``payload`` with ``valid`` a fixed number of clocks later, for one clock.
+
+    Members
+    -------
+    space, issue, valid, payload : ``In(1)``, ``Out(1)``, ``Out(1)``, ``Out(shape)``
+    """
+
+    def __init__(self, shape):
+        super().__init__({"space": In(1), "issue": Out(1), "valid": Out(1),
+                          "payload": Out(shape)})
 
 
 class CreditQueue(wiring.Component):

@@ -104,7 +104,6 @@ def test_any_window_in_one_clock(needs, word_bytes, split):
 
     async def bench(ctx):
         ctx.set(tiles.split, split)
-        ctx.set(tiles.shift, 1)
         for ty in range(down):
             for tx in range(across):
                 slot = ((tx & 1) | ty % kinds << 1) * options.sets + set_of(tx, ty)
@@ -148,7 +147,6 @@ def test_windows_are_cut_from_the_samples(needs, word_bytes):
         return 2 * first - k if k < first else 2 * last - k if k > last else k
 
     async def cut(ctx):
-        ctx.set(align.shift, 1)
         ctx.set(align.take, 1)
         ctx.set(align.samples, block.tolist())
         for x, y in np.ndindex(max(16, columns), rows):

@@ -10,7 +10,7 @@ from ncdc_hdl.backend.interpolator import Interpolator
 from ncdc_model.golden.directional import crest_of, directional_colours, twice_direction
 from ncdc_model.golden.picture import bilinear, gradient_colours, grey_corners
 from ncdc_spec.interpolation import DIRECTIONAL, GRADIENT
-from pipelines import get, put, run_bench, run_pipeline
+from pipelines import get, run_bench, run_pipeline, send
 
 F = 10
 GATEWARE = {GRADIENT: GradientPoints, DIRECTIONAL: DirectionalPoints}
@@ -155,7 +155,7 @@ def test_stream_equals_model(needs, gap, stall, mono, crest):
               "odd_row": int(origins[k, 1]), "fx": int(fractions[k, 0]),
               "fy": int(fractions[k, 1]), "blank": int(blank[k]), "first": k == 0,
               "last": k == count - 1} for k in range(count)]
-    dut, got = Interpolator(F, interpolation=needs), []
+    dut, got = Interpolator(F, interpolation=needs, window_latency=int(30 * gap)), []
 
     async def source(ctx):
         ctx.set(dut.phase, phase[0] | phase[1] << 1)
@@ -163,7 +163,7 @@ def test_stream_equals_model(needs, gap, stall, mono, crest):
         ctx.set(dut.mono, mono)
         if needs == DIRECTIONAL:
             ctx.set(dut.crest, crest)
-        await put(ctx, dut.i, items, lambda: rng.random() < gap)
+        await send(ctx, dut.i, items, lambda: rng.random() < gap, dut.window_latency)
 
     async def sink(ctx):
         got.extend(await get(ctx, dut.o, count, lambda: rng.random() < stall))

@@ -8,7 +8,7 @@ from ncdc_hdl.backend.bilinear import Bilinear
 from ncdc_hdl.backend.interpolator import Interpolator
 from ncdc_model.golden.picture import bayer_quads, bilinear
 from ncdc_spec.geometry import BAYER_PHASE
-from pipelines import get, put, run_bench, run_pipeline
+from pipelines import get, run_bench, run_pipeline, send
 
 F = 10
 
@@ -80,12 +80,12 @@ def test_stream_equals_model(gap, stall):
               "odd_row": int(origins[k, 1]), "fx": int(fractions[k, 0]), "fy": int(fractions[k, 1]),
               "blank": int(blank[k]), "first": k == 0, "last": k == count - 1}
              for k in range(count)]
-    dut, got = Interpolator(F), []
+    dut, got = Interpolator(F, window_latency=int(9 * gap)), []
 
     async def source(ctx):
         ctx.set(dut.phase, phase[0] | phase[1] << 1)
         ctx.set(dut.fill, fill)
-        await put(ctx, dut.i, items, lambda: rng.random() < gap)
+        await send(ctx, dut.i, items, lambda: rng.random() < gap, dut.window_latency)
 
     async def sink(ctx):
         got.extend(await get(ctx, dut.o, count, lambda: rng.random() < stall))

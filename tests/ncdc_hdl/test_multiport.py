@@ -9,7 +9,7 @@ from fetchers import Pauses, check_windows
 from memory import read_agent
 from ncdc_hdl.backend.multiport import Multiport
 from ncdc_model.golden.picture import fetches
-from pipelines import get, put, run_bench
+from pipelines import put, receive, run_bench
 
 F = 10
 WIDTH, HEIGHT = 37, 20
@@ -57,7 +57,7 @@ def test_a_new_frame_is_read_again():
         await put(ctx, dut.i, items, lambda: False)
 
     async def sink(ctx):
-        await get(ctx, dut.o, len(items), lambda: False)
+        await receive(ctx, dut.o, len(items), lambda: False, 0)
 
     run_bench(dut, bench, sink, background=[
         read_agent(getattr(dut, f"bus{r}"), raw.ravel(), 4, rng, log=logs[r]) for r in range(3)])
@@ -94,7 +94,7 @@ def test_a_reset_does_not_forget_reads():
 
         async def sink(ctx):
             await ctx.tick().repeat(clocks + 2)
-            got.extend(await get(ctx, dut.o, len(items), lambda: False))
+            got.extend(await receive(ctx, dut.o, len(items), lambda: False, 0))
 
         simulator.add_testbench(bench)
         simulator.add_testbench(sink)

@@ -6,7 +6,7 @@ import numpy as np
 
 from memory import read_agent
 from ncdc_spec.interpolation import FAST
-from pipelines import get, put, run_bench
+from pipelines import put, receive, run_bench
 
 __all__ = ["BASE", "Pauses", "check_windows", "flipped"]
 
@@ -68,7 +68,8 @@ def check_windows(dut, raw, positions, rng, pauses, *, margin=64, needs=FAST, wi
         await put(ctx, dut.i, items, lambda: rng.random() < pauses.gap)
 
     async def sink(ctx):
-        got.extend(await get(ctx, dut.o, count, lambda: rng.random() < pauses.stall))
+        got.extend(await receive(ctx, dut.o, count, lambda: rng.random() < pauses.stall,
+                                 dut.window_latency))
 
     async def count_fetches(ctx):
         while True:

@@ -1,8 +1,10 @@
 """Driving components in the Amaranth simulator: free-running pipelines and streams."""
 
+from collections import deque
+
 from amaranth.sim import Simulator
 
-__all__ = ["get", "put", "run_bench", "run_pipeline", "run_stream"]
+__all__ = ["get", "put", "receive", "run_bench", "run_pipeline", "run_stream", "send"]
 
 
 _PERIOD = 1e-8          # seconds of a clock
@@ -82,6 +84,46 @@ async def get(ctx, stream, count, pause):
         if valid and ready:
             got.append(payload)
     ctx.set(stream.ready, 0)
+    return got
+
+
+async def send(ctx, items_in, items, pause, latency=0):
+    """Announce and send ``items`` to a ``Credited`` input, each ``latency`` clocks after its issue.
+
+    Idles while ``pause()`` says so, and then until all have left.
+    """
+    waiting, on_the_way, space = deque(items), deque([None] * latency), True
+    while waiting or any(item is not None for item in on_the_way):
+        issue = bool(waiting) and space and not pause()
+        on_the_way.append(waiting.popleft() if issue else None)
+        item = on_the_way.popleft()
+        ctx.set(items_in.issue, issue)
+        ctx.set(items_in.valid, item is not None)
+        if item is not None:
+            ctx.set(items_in.payload, item)
+        _, _, space = await ctx.tick().sample(items_in.space)
+    ctx.set(items_in.issue, 0)
+    ctx.set(items_in.valid, 0)
+
+
+async def receive(ctx, items_out, count, pause, latency):
+    """Take ``count`` items of a ``Credited`` output; there is no space while ``pause()``.
+
+    None may be announced without space a clock before, and each comes ``latency`` clocks later.
+    """
+    got, on_the_way, allowed = [], deque([False] * latency), True
+    while len(got) < count:
+        space = not pause()
+        ctx.set(items_out.space, space)
+        _, _, issue, valid, payload = await ctx.tick().sample(
+            items_out.issue, items_out.valid, items_out.payload)
+        assert allowed or not issue, f"item {len(got)} is announced, there is no space"
+        on_the_way.append(bool(issue))
+        assert on_the_way.popleft() == valid, f"item {len(got)} is not {latency} clocks late"
+        allowed = space
+        if valid:
+            got.append(payload)
+    ctx.set(items_out.space, 0)
     return got
 
 

@@ -10,6 +10,7 @@ from amaranth.utils import ceil_log2
 from ncdc_hdl.backend.cache.tiles import COLUMNS, samples_layout
 from ncdc_hdl.backend.layouts import edges
 from ncdc_hdl.lib.choice import chosen
+from ncdc_hdl.lib.pipeline import register
 from ncdc_spec.cache_options import TILE_WIDTH
 
 __all__ = ["align_for"]
@@ -27,12 +28,12 @@ class _Align(wiring.Component):
 
     for each (j, i) of ``interpolation.samples``.
 
-    Timing: ``latency`` shifts; ``x``, ``y`` and the edges belong to the samples of the same shift.
+    Timing: ``latency`` clocks; ``x``, ``y`` and the edges belong to the samples of the same clock.
 
     Members
     -------
-    shift, take : ``In(1)``
-        Whether the stages move; whether ``o`` loads the output of the last stage but one.
+    take : ``In(1)``
+        Whether ``o`` loads the output of the last stage but one; the others free-run.
     samples : ``In(samples_layout(word_bytes, interpolation))``
     x, y : ``In``
         Low bits of the sample of the first point.
@@ -47,7 +48,7 @@ class _Align(wiring.Component):
         self.word_bytes, self.interpolation = word_bytes, interpolation
         layouts = edges(interpolation)
         super().__init__({
-            "shift": In(1), "take": In(1),
+            "take": In(1),
             "samples": In(samples_layout(word_bytes, interpolation)),
             "x": In(ceil_log2(max(TILE_WIDTH, COLUMNS * word_bytes))),
             "y": In(ceil_log2(interpolation.box_rows)),
@@ -68,15 +69,13 @@ class Align(_Align):
         window, rows = self.interpolation.window, self.interpolation.box_rows
         bytes_across = COLUMNS * self.word_bytes
         byte = Signal(range(bytes_across), reset_less=True)
-        with m.If(self.shift):
-            m.d.sync += byte.eq(self.x)
+        m.d.sync += byte.eq(self.x)
         for j in range(window):
             row = Signal(8 * bytes_across, name=f"row{j}", reset_less=True)
-            with m.If(self.shift):
-                m.d.sync += row.eq(Value.cast(self.samples[(self.y + j)[:ceil_log2(rows)]]))
+            m.d.sync += row.eq(Value.cast(self.samples[(self.y + j)[:ceil_log2(rows)]]))
             # The second word is followed by the first one.
             around = Cat(row, row)
-            with m.If(self.shift & self.take):
+            with m.If(self.take):
                 m.d.sync += Cat(*(self.o[window * j + k] for k in range(window))).eq(
                     Cat(around.word_select(byte + k, 8) for k in range(window)))
         return m
@@ -102,7 +101,7 @@ class AlignMirrored(_Align):
         ring = needs.box_rows                   # columns that are chosen, as many as rows
         bits = ceil_log2(ring)
 
-        register = partial(self._register, m)
+        staged = partial(register, m)
         # The first column and row of the window, their low bits.
         across = COLUMNS * self.word_bytes // ring      # rings side by side in the samples
         column, row = Signal(bits + ceil_log2(across)), Signal(bits)
@@ -116,37 +115,30 @@ class AlignMirrored(_Align):
             for j in range(ring):
                 values = [chosen(list(samples)[k::ring], which)
                           for samples in (self.samples[j], self.samples[(j + 1) % ring])]
-                bytes_of[j].append(register(f"w_{j}{k}", chosen(values, row[:1])))
+                bytes_of[j].append(staged(f"w_{j}{k}", chosen(values, row[:1])))
         w_rows = self._positions(m, "w_row", row, self.edge_y)
-        w_column, w_edge = register("w_column", column[:bits]), register("w_edge", self.edge_x)
-        w_flip = register("w_flip", self.flip)
+        w_column, w_edge = staged("w_column", column[:bits]), staged("w_edge", self.edge_x)
+        w_flip = staged("w_flip", self.flip)
         # Stage 2: the rows.
-        rows = [register(f"r_{j}", chosen([Cat(each) for each in bytes_of[j % 2::2]], position))
+        rows = [staged(f"r_{j}", chosen([Cat(each) for each in bytes_of[j % 2::2]], position))
                 for j, position in enumerate(w_rows)]
-        r_column, r_edge = register("r_column", w_column), register("r_edge", w_edge)
-        r_flip = register("r_flip", w_flip)
+        r_column, r_edge = staged("r_column", w_column), staged("r_edge", w_edge)
+        r_flip = staged("r_flip", w_flip)
         # Stage 3: columns by one or not, as the first one that is put out is even or odd.
         turned, by_one = [], r_column[:1] ^ r_flip
         for j, value in enumerate(rows):
             samples = [value.word_select(k, 8) for k in range(ring)]
-            turned.append([register(f"c_{j}{k}", chosen(
+            turned.append([staged(f"c_{j}{k}", chosen(
                 [samples[k], samples[(k + 1) % ring]], by_one)) for k in range(ring)])
         c_columns = self._positions(m, "c_column", r_column, r_edge, r_flip)
         # Stage 4: the columns.
         for k, (j, i) in enumerate(needs.samples):
-            with m.If(self.shift & self.take):
+            with m.If(self.take):
                 m.d.sync += self.o[k].eq(chosen(turned[j][i % 2::2], c_columns[i]))
         return m
 
-    def _register(self, m, name, value):
-        """``value`` after the next shift."""
-        r = Signal.like(value, name=name, reset_less=True)
-        with m.If(self.shift):
-            m.d.sync += r.eq(value)
-        return r
-
     def _positions(self, m, name, first, edge, flip=Const(0)):
-        """For each column or row of the window, its position among four, after a shift.
+        """For each column or row of the window, its position among four, a clock later.
 
         ``first``: where the window begins, modulo 8. ``flip``: whether they come in reverse.
         """
@@ -159,7 +151,7 @@ class AlignMirrored(_Align):
             inside = Mux(flip, self._inside(last - k, edge)[1:] - k % 2,
                          self._inside(k, edge)[1:])
             m.d.comb += position.eq(begin + inside)
-            found.append(self._register(m, f"{name}{k}", position))
+            found.append(register(m, f"{name}{k}", position))
         return found
 
     def _inside(self, k, edge):

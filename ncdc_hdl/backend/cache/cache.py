@@ -14,6 +14,7 @@ from ncdc_hdl.backend.cache.tags import Tags
 from ncdc_hdl.backend.cache.tiles import Tiles
 from ncdc_hdl.backend.layouts import request_layout, window_layout
 from ncdc_hdl.frontend.layouts import SIZE
+from ncdc_hdl.lib.credits import Credited
 from ncdc_hdl.lib.gains import BALANCE, NO_BALANCE
 from ncdc_spec.cache_options import CacheOptions
 
@@ -60,7 +61,8 @@ class Cache(wiring.Component):
     memory_rst : ``In(1)``
         As in :class:`ncdc_hdl.avalon.read_commands.ReadCommands`.
     i : ``In(stream.Signature(request_layout(f_bits, lanes, options.interpolation)))``
-    o : ``Out(stream.Signature(window_layout(f_bits, lanes, options.interpolation)))``
+    o : ``Out(Credited(window_layout(f_bits, lanes, options.interpolation)))``
+        A window comes ``window_latency`` clocks after its ``issue``.
     bus0 : ``Out(ReadHost(...))``
     outside, empty : ``Out(1)``
         As in :class:`Fills`.
@@ -91,7 +93,7 @@ class Cache(wiring.Component):
             **({"balance": In(BALANCE, init=NO_BALANCE)} if raw_balance else {}),
             "split": In(range(set_bits(options) + 1)),
             "i": In(stream.Signature(request_layout(f_bits, lanes, needs))),
-            "o": Out(stream.Signature(window_layout(f_bits, lanes, needs))),
+            "o": Out(Credited(window_layout(f_bits, lanes, needs))),
             "bus0": Out(ReadHost(data_width, self.fills.burst)),
             "fetched": Out(1), "waiting": Out(1), "stalls": Out(stalls_layout()),
         } | ({"phase": In(2)} if needs.margin else {}))
@@ -100,6 +102,11 @@ class Cache(wiring.Component):
     def start_latency(self):
         """Clocks from a group at ``i`` to its first look-up in the act stage."""
         return self.boxes.latency + self.locate.latency + self.tags.latency
+
+    @property
+    def window_latency(self):
+        """Clocks from ``o.issue`` to the window."""
+        return self.retire.latency
 
     def elaborate(self, platform):
         m = Module()
@@ -125,7 +132,7 @@ class Cache(wiring.Component):
             retire.push.eq(tags.push), retire.position.eq(tags.position),
             retire.missing.eq(tags.missing),
             tags.retire.eq(retire.retire),
-            tiles.shift.eq(retire.shift), tiles.box.eq(retire.box),
+            tiles.box.eq(retire.box),
             retire.samples.eq(tiles.samples),
             self.fetched.eq(tags.claim), self.waiting.eq(retire.waiting),
             self.stalls.eq(tags.stalls),

@@ -1,7 +1,7 @@
 """From look-ups whose tiles have arrived to windows."""
 
 from amaranth import *
-from amaranth.lib import stream, wiring
+from amaranth.lib import wiring
 from amaranth.lib.wiring import In, Out
 from amaranth.utils import ceil_log2
 
@@ -9,9 +9,10 @@ from ncdc_hdl.backend.cache.align import align_for
 from ncdc_hdl.backend.cache.layouts import window_position_layout
 from ncdc_hdl.backend.cache.tiles import Tiles, box_layout, samples_layout
 from ncdc_hdl.backend.layouts import edges, window_layout
+from ncdc_hdl.lib.credits import Credited
 from ncdc_hdl.lib.groups import lanes_of
 from ncdc_hdl.lib.memory import Fifo
-from ncdc_hdl.lib.relay import Relay
+from ncdc_hdl.lib.pipeline import register
 
 __all__ = ["Retire"]
 
@@ -23,8 +24,8 @@ class Retire(wiring.Component):
     look-up leaves the queue when as many tiles have arrived, beyond those of the look-ups before
     it, as it claimed itself. Tiles claimed by earlier look-ups have arrived before.
 
-    Timing: ``latency`` clocks from the queue's end to ``o``, one look-up per clock; all stages
-    stall with ``o``.
+    Timing: ``latency`` clocks from the queue's end to ``o``, one look-up per clock. A look-up
+    leaves the queue only if its window has space; the stages after it run free.
 
     Parameters
     ----------
@@ -45,9 +46,9 @@ class Retire(wiring.Component):
         The oldest look-up waits for a tile.
     phase : ``In(2)``
         (column, row) parity of the red samples, constant during a frame, for windows with a margin.
-    shift, box, samples :
+    box, samples :
         To the tile memory, as in :class:`Tiles`.
-    o : ``Out(stream.Signature(window_layout(f_bits, lanes, ...)))``
+    o : ``Out(Credited(window_layout(f_bits, lanes, ...)))``
     """
 
     push_to_retire = 1 + Fifo.latency + 1 + 1
@@ -67,53 +68,50 @@ class Retire(wiring.Component):
             "filled": In(1),
             "retire": Out(1),
             "waiting": Out(1),
-            "shift": Out(1),
             "box": Out(box_layout(options, word_bytes)),
             "samples": In(samples_layout(word_bytes, options.interpolation)),
-            "o": Out(stream.Signature(window_layout(f_bits, lanes, options.interpolation))),
+            "o": Out(Credited(window_layout(f_bits, lanes, options.interpolation))),
         } | ({"phase": In(2)} if options.interpolation.margin else {}))
 
     @property
     def retire_to_window(self):
-        """Clocks from ``retire``, which is B, to the window at ``o``: M and S, the alignment, the
-        relay."""
-        return Tiles.latency - 1 + self.aligns[0].latency + Relay.latency
+        """Clocks from ``retire``, which is B, to the window at ``o``: M and S, the alignment."""
+        return Tiles.latency - 1 + self.aligns[0].latency
 
     @property
     def latency(self):
-        """Clocks from the oldest look-up to its window at ``o``."""
+        """Clocks from the oldest look-up, with ``o.issue``, to its window at ``o``."""
         return 1 + self.retire_to_window
 
     def elaborate(self, platform):
         m = Module()
-        # All stages move if the windows after them do, without looking further.
-        m.submodules.windows = windows = Relay(self.o.payload.shape())
-        wiring.connect(m, windows.o, wiring.flipped(self.o))
-        shift = Signal()                # all stages after the oldest look-up move
+        space = Signal(init=1)          # there is space for the oldest look-up's window
         enough = Signal()               # all tiles of the oldest look-up have arrived
         oldest_valid = Signal()         # there is an oldest look-up
         oldest = Signal(self.position_shape, reset_less=True)
         pop = Signal()                  # the oldest look-up goes on to the stages
         load = Signal()                 # the look-up at the queue's end becomes the oldest
         m.d.comb += [
-            shift.eq(windows.i.ready), self.shift.eq(shift),
-            load.eq(~oldest_valid | (enough & shift)),
-            pop.eq(oldest_valid & enough & shift),
+            load.eq(~oldest_valid | (enough & space)),
+            pop.eq(oldest_valid & enough & space),
+            # The look-ups of a group have one window: the last one announces it.
+            self.o.issue.eq(pop & (oldest.end if self.lanes > 1 else 1)),
             self.waiting.eq(oldest_valid & ~enough),
         ]
+        m.d.sync += space.eq(self.o.space)
         following_valid, following, following_owed = self._queue(m, load)
         with m.If(load):
             m.d.sync += [oldest_valid.eq(following_valid), oldest.eq(following)]
         self._count(m, load & following_valid, following_owed, enough)
-        (b_valid, _), _, (_, s), *_, (w_valid, w) = self._stages(m, shift, pop, oldest)
+        (b_valid, _), _, (_, s), *_, (w_valid, w) = self._stages(m, pop, oldest)
         word, row = self._corner(oldest)
         m.d.comb += [
-            self.retire.eq(b_valid & shift),
+            self.retire.eq(b_valid),
             self.box.set.eq(oldest.set), self.box.next_set.eq(oldest.next_set),
             self.box.odd_tile.eq(oldest.odd_tile),
             self.box.word.eq(word), self.box.row.eq(row),
         ]
-        self._windows(m, windows.i, shift, s, w_valid, w)
+        self._windows(m, s, w_valid, w)
         return m
 
     def _queue(self, m, load):
@@ -151,7 +149,7 @@ class Retire(wiring.Component):
         with m.Else():
             m.d.sync += balance.eq(balance + self.filled)
 
-    def _stages(self, m, shift, pop, oldest):
+    def _stages(self, m, pop, oldest):
         """Registers of the stages after the oldest look-up, each (valid, position).
 
         B: the tile memory has the box's address. M: its banks output their words. S: they are
@@ -161,31 +159,27 @@ class Retire(wiring.Component):
         stages, before = [], (pop, oldest)
         cuts = self.aligns[0].latency - 1
         for name in (*"bms", *(f"w{k}" if k else "w" for k in range(cuts))):
-            valid = Signal(name=f"{name}_valid")
-            position = Signal(self.position_shape, name=name, reset_less=True)
-            with m.If(shift):
-                m.d.sync += [valid.eq(before[0]), position.eq(before[1])]
-            before = valid, position
+            before = (register(m, f"{name}_valid", before[0], reset_less=False),
+                      register(m, name, before[1]))
             stages.append(before)
         return stages
 
-    def _windows(self, m, o, shift, s, w_valid, w):
+    def _windows(self, m, s, w_valid, w):
         """Cut the windows out of the samples; the positions ``s`` and ``w`` are in those stages."""
-        several = self.lanes > 1
+        several, o = self.lanes > 1, self.o.payload
         # A group that took several look-ups is gathered in the output: it leaves with the last.
-        with m.If(shift):
-            m.d.sync += [o.valid.eq(w_valid & (w.end if several else 1)),
-                         o.p.first.eq(w.first), o.p.last.eq(w.last)]
-        for k, out in enumerate(lanes_of(o.p)):
-            take = w_valid & w.mask[k] if several else w_valid
+        m.d.sync += [self.o.valid.eq(w_valid & (w.end if several else 1)),
+                     o.first.eq(w.first), o.last.eq(w.last)]
+        for k, out in enumerate(lanes_of(o)):
+            take = w_valid & w.mask[k] if several else Const(1)
             m.submodules[f"align{k}"] = align = self.aligns[k]
             m.d.comb += [
-                align.shift.eq(shift), align.take.eq(take), align.samples.eq(self.samples),
+                align.take.eq(take), align.samples.eq(self.samples),
                 align.x.eq(s.lane[k].x), align.y.eq(s.lane[k].y), out.samples.eq(align.o),
                 *(getattr(align, edge).eq(s.lane[k][edge])
                   for edge in edges(self.options.interpolation)),
             ]
-            with m.If(shift & take):
+            with m.If(take):
                 m.d.sync += [
                     out.odd_row.eq(w.lane[k].y), out.fx.eq(w.lane[k].fx),
                     out.fy.eq(w.lane[k].fy), out.blank.eq(w.lane[k].blank)]

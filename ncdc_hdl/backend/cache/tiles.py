@@ -67,15 +67,13 @@ class Tiles(wiring.Component):
     same remainder. Words of 16 bytes are whole rows: w is a tile's column, n is 1, and s counts
     only the slots of every second column.
 
-    Timing: ``samples`` follow ``box`` after 3 shifts: address, memory, samples.
+    Timing: ``samples`` follow ``box`` after 3 clocks: address, memory, samples.
 
     Members
     -------
     split : ``In``
         log2 Kx of the index rule, constant during a frame.
     fill : ``In(fill_layout(...))``
-    shift : ``In(1)``
-        Whether the three stages of the read move.
     box : ``In(box_layout(...))``
     samples : ``Out(samples_layout(word_bytes))``
     """
@@ -87,7 +85,7 @@ class Tiles(wiring.Component):
         super().__init__({
             "split": In(range(set_bits(options) + 1)),
             "fill": In(fill_layout(options, word_bytes)),
-            "shift": In(1), "box": In(box_layout(options, word_bytes)),
+            "box": In(box_layout(options, word_bytes)),
             "samples": Out(samples_layout(word_bytes, options.interpolation)),
         })
 
@@ -138,12 +136,11 @@ class Tiles(wiring.Component):
                     chosen.eq(Cat(
                         Mux(Mux(is_x, in_next_tile, lower), following, first)
                         for is_x, first, following in zip(mask_x, box.set, box.next_set))),
-                    read.addr.eq(address), read.en.eq(self.shift)]
-                with m.If(self.shift):
-                    m.d.sync += [
-                        address.eq(Cat(word[1:], chosen, odd_x, box.odd_tile.y[bank_bits:] ^ lower)
-                                   if bank_bits < len(box.odd_tile.y) else
-                                   Cat(word[1:], chosen, odd_x)),
-                        Value.cast(samples[row])[
-                            8 * self.word_bytes * column:][:8 * self.word_bytes].eq(read.data)]
+                    read.addr.eq(address)]
+                m.d.sync += [
+                    address.eq(Cat(word[1:], chosen, odd_x, box.odd_tile.y[bank_bits:] ^ lower)
+                               if bank_bits < len(box.odd_tile.y) else
+                               Cat(word[1:], chosen, odd_x)),
+                    Value.cast(samples[row])[
+                        8 * self.word_bytes * column:][:8 * self.word_bytes].eq(read.data)]
         return m

@@ -14,8 +14,8 @@ from amaranth.hdl import Const, Shape
 from cocotb.clock import Clock
 from cocotb.triggers import FallingEdge, ReadOnly
 
-__all__ = ["PERIOD", "clocks", "get", "pack", "pipeline", "put", "settings", "signed", "start",
-           "unpack"]
+__all__ = ["PERIOD", "clocks", "get", "pack", "pipeline", "put", "receive", "send", "settings",
+           "signed", "start", "unpack"]
 
 PERIOD = 10     # ns
 
@@ -109,6 +109,47 @@ async def get(dut, name, count, stall=0.0, seed=2, limit=100000):
         assert silent < limit, f"{name}: no payload {len(got)} of {count} in {limit} clocks"
         await FallingEdge(dut.clk)
     ready.value = 0
+    return got
+
+
+async def send(dut, name, payloads, gap=0.0, seed=1):
+    """Announce and send the packed ``payloads`` to the ``Credited`` input ``name``.
+
+    Each comes in the clock of its issue, which idles with probability ``gap``.
+    """
+    space, issue, valid, payload = (getattr(dut, f"{name}__{part}")
+                                    for part in ("space", "issue", "valid", "payload"))
+    rng, width, waiting, allowed = random.Random(seed), len(payload), list(payloads), True
+    while waiting:
+        goes = allowed and rng.random() >= gap
+        issue.value = valid.value = int(goes)
+        payload.value = waiting.pop(0) if goes else rng.getrandbits(width)
+        await ReadOnly()
+        allowed = bool(space.value)
+        await FallingEdge(dut.clk)
+    issue.value = valid.value = 0
+
+
+async def receive(dut, name, count, stall=0.0, seed=2, limit=100000):
+    """Take ``count`` payloads of the ``Credited`` output ``name`` as ints.
+
+    ``stall``: how often there is no space. ``limit``: as in :func:`get`.
+    """
+    space, issue, valid, payload = (getattr(dut, f"{name}__{part}")
+                                    for part in ("space", "issue", "valid", "payload"))
+    rng, got, allowed, silent = random.Random(seed), [], True, 0
+    while len(got) < count:
+        gives = rng.random() >= stall
+        space.value = int(gives)
+        await ReadOnly()
+        assert allowed or not bool(issue.value), f"{name}: issue without space"
+        allowed, silent = gives, silent + 1
+        if bool(valid.value):
+            got.append(int(payload.value))
+            silent = 0
+        assert silent < limit, f"{name}: no payload {len(got)} of {count} in {limit} clocks"
+        await FallingEdge(dut.clk)
+    space.value = 0
     return got
 
 

@@ -3,7 +3,7 @@
 import cocotb
 import numpy as np
 
-from benches.common import get, pack, put, settings, start, unpack
+from benches.common import get, pack, send, settings, start, unpack
 from ncdc_hdl.backend.layouts import pixel_layout, window_layout
 from ncdc_model.golden.picture import bayer_quads, bilinear
 
@@ -26,8 +26,9 @@ async def equals_model(dut):
               "odd_row": int(origins[k, 1]), "fx": int(fractions[k, 0]), "fy": int(fractions[k, 1]),
               "blank": int(blank[k]), "first": k == 0, "last": k == count - 1}
              for k in range(count)]
-    await start(dut, phase=phase[0] | phase[1] << 1, fill=FILL, i__valid=0, o__ready=0)
-    cocotb.start_soon(put(dut, "i", [pack(window_layout(F), item) for item in items], s["gap"]))
+    await start(dut, phase=phase[0] | phase[1] << 1, fill=FILL, i__issue=0,
+                i__valid=0, o__ready=0)
+    cocotb.start_soon(send(dut, "i", [pack(window_layout(F), item) for item in items], s["gap"]))
     got = [unpack(pixel_layout(), value) for value in await get(dut, "o", count, s["stall"])]
     expected = bilinear(bayer_quads(windows, *origins.T, phase), *fractions.T, F)
     expected[blank] = list(FILL.to_bytes(3, "big"))

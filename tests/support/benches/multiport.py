@@ -4,7 +4,7 @@ import cocotb
 import numpy as np
 
 from benches.avalon import read_memory
-from benches.common import get, pack, put, settings, start, unpack
+from benches.common import pack, put, receive, settings, start, unpack
 from ncdc_hdl.backend.layouts import request_layout, window_layout
 from ncdc_model.golden.picture import fetches
 
@@ -38,12 +38,12 @@ async def windows_equal_model(dut):
               "first": k == 0, "last": k == count - 1} for k in range(count)]
     logs = [[], [], []]
     await start(dut, base=BASE, limit=len(content), pitch=pitch, memory_rst=0, i__valid=0,
-                o__ready=0, **{f"bus{r}__readdatavalid": 0 for r in range(3)})
+                o__space=0, **{f"bus{r}__readdatavalid": 0 for r in range(3)})
     for r in range(3):
         cocotb.start_soon(read_memory(dut, f"bus{r}", content, wait=s["wait"],
                                       latency=s["latency"], seed=r, log=logs[r]))
     cocotb.start_soon(put(dut, "i", [pack(request_layout(F), item) for item in items], s["gap"]))
-    for k, value in enumerate(await get(dut, "o", count, s["stall"])):
+    for k, value in enumerate(await receive(dut, "o", count, s["stall"])):
         out = unpack(window_layout(F), value)
         assert (out.fx, out.fy, out.blank) == (k, 1023 - k, blank[k])
         assert (out.first, out.last) == (k == 0, k == count - 1)

@@ -48,14 +48,14 @@ class _Lookups(Wrapper):
         super().__init__({
             "valid": In(1), "tile_x": In(_BITS), "tile_y": In(_BITS), "across": In(1),
             "down": In(range(self.rows)), "blank": In(1), "last": In(1), "filled": In(1),
-            "ready": In(1), "watch": In(4)})
+            "space": In(1), "watch": In(4)})
 
     def start(self, m):
         """The design with its look-ups and fills; its parts, and the tiles outstanding."""
         tags, retire, most = self.tags, self.retire, self.options.outstanding
         fragment = self.design(m, _Parts(tags, retire))
         m.d.comb += [tags.i.valid.eq(self.valid), tags.i.payload.eq(self._lookup(m)),
-                     retire.o.ready.eq(self.ready)]
+                     retire.o.space.eq(self.space)]
         with m.If(tags.i.valid & tags.i.ready & self.last):
             m.d.sync += self.odd_frame.eq(~self.odd_frame)
         outstanding = Signal(range(most + 1))
@@ -179,7 +179,7 @@ class Tokens(_Lookups):
 
     Asserts that the balance of tokens and the tiles outstanding together are the tiles claimed by
     look-ups after the oldest, so that no token is spent that is not there, and that the queue
-    does not overflow.
+    does not overflow. No window is announced without space for it.
     """
 
     def elaborate(self, platform):
@@ -203,6 +203,9 @@ class Tokens(_Lookups):
             inner(fragment, "tags", "pending", name) for name in
             ("level", "space", "numbers", "retirals"))
 
+        granted = Signal(init=1)        # there was space a clock ago
+        m.d.sync += granted.eq(self.space)
+        always(m, granted | ~retire.o.issue, "issued_with_space")
         always(m, level == push + queue.level + oldest_valid + b_valid, "pushed_not_read")
         always(m, level <= most, "most_pending")
         always(m, space == (level != most), "space_flag")
@@ -244,21 +247,20 @@ class Progress(Tokens):
     """The same with a memory and a consumer that answer within ``_ANSWER`` clocks: each wait ends.
 
     Asserts that something happens every ``_WAIT`` clocks as long as there is a look-up: a claim,
-    a fill, a push, a read or a window taken. Each look-up has at most four claims and fills and
-    one of the others, so each look-up ends.
+    a fill, a push or a read. Each look-up has at most four claims and fills and one of the others,
+    so each look-up ends.
     """
 
     _ANSWER, _WAIT = 2, 8
 
     def waits(self, m, outstanding, busy):
         tags, retire = self.tags, self.retire
-        for awaited, answer in ((outstanding != 0, self.filled), (retire.o.valid, self.ready)):
+        for awaited, answer in ((outstanding != 0, self.filled), (Const(1), self.space)):
             late = Signal(range(self._ANSWER + 1))
             m.d.sync += late.eq(Mux(awaited & ~answer, late + 1, 0))
             given(m, late < self._ANSWER)
         idle = Signal(range(self._WAIT + 2))
-        happens = (tags.claim | self.filled | tags.push | retire.retire
-                   | (retire.o.valid & self.ready))
+        happens = tags.claim | self.filled | tags.push | retire.retire
         m.d.sync += idle.eq(Mux(busy & ~happens, idle + 1, 0))
         always(m, idle <= self._WAIT, "something_happens")
         reached(m, idle == 3, "waits")

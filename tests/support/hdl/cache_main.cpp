@@ -7,7 +7,8 @@
 // address, so a sample of another tile, row or frame is a wrong one.
 //
 // Checked: every sample, the order of the windows and their flags. Every read command must be one of
-// a direct-mapped cache of this size, in order. Commands and windows that wait do not change.
+// a direct-mapped cache of this size, in order. Commands that wait do not change. Windows are
+// announced only if there is space, and come in their clock.
 // Arguments: name=value, see main. Prints RESULT name value.
 //
 // Compiled in: NCDC_LANES, NCDC_DATA_WIDTH, NCDC_TILES, what an interpolation needs, and for each
@@ -105,7 +106,7 @@ public:
     Bench(std::uint64_t seed, int resets) : random{seed * 0x9E3779B97F4A7C15 + 1}, resets(resets) {
         held.assign(kBanks * kSets, -1);
         dut->clk = 0, dut->rst = 1, dut->memory_rst = 0;
-        dut->PORT(i, valid) = 0, dut->PORT(o, ready) = 0;
+        dut->PORT(i, valid) = 0, dut->PORT(o, space) = 0;
         dut->PORT(bus0, waitrequest) = 0, dut->PORT(bus0, readdatavalid) = 0;
         for (int k = 0; k < 4; k++) clock();
         dut->rst = 0;
@@ -274,7 +275,7 @@ private:
             put(dut->PORT(i, payload), I_LAST, 1, current.last);
         }
         dut->PORT(i, valid) = offered;
-        dut->PORT(o, ready) = !random.bernoulli(f.stall);
+        dut->PORT(o, space) = !random.bernoulli(f.stall);
         clock();
     }
 
@@ -338,12 +339,13 @@ private:
             flying.push_back(current);
             moved = clocks;
         }
+        if (dut->PORT(o, issue) && !space) fail("window announced without space", clocks);
+        space = dut->PORT(o, space);
+        issued = issued << 1 | dut->PORT(o, issue);
         const bool valid = dut->PORT(o, valid);
-        if (stalled && (!valid || std::memcmp(&window, &dut->PORT(o, payload), sizeof window)))
-            fail("window changed in a stall", clocks);
+        if ((issued >> NCDC_WINDOW_LATENCY & 1) != valid) fail("window at another time", clocks);
+        if (!valid) return;
         std::memcpy(&window, &dut->PORT(o, payload), sizeof window);
-        stalled = valid && !dut->PORT(o, ready);
-        if (!valid || stalled) return;
         if (flying.empty()) fail("unrequested window", clocks);
         const Group& group = flying.front();
         bool right = bits(window, O_FIRST, 1) == group.first
@@ -405,7 +407,7 @@ private:
         for (int k = 1; k < length; k++) clock();
         dut->rst = dut->memory_rst = 0;
         flying.clear();
-        offered = stalled = false;
+        offered = false, space = true, issued = 0;
         moved = clocks;
         reset_count++;
     }
@@ -418,7 +420,9 @@ private:
     int resets;
     Frame f{};
     Group current{};
-    bool offered = false, stalled = false, command_held = false;
+    bool offered = false, command_held = false;
+    bool space = true;          // there was space for a window a clock ago
+    std::uint64_t issued = 0;   // windows announced, a bit for each clock, the last one lowest
     std::uint32_t x = 0, y = 0, counter = 0, command = 0;
     std::uint64_t sent = 0, done = 0, moved = 0;
     std::int64_t left_over = -1;
