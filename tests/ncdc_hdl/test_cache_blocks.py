@@ -104,6 +104,7 @@ def test_any_window_in_one_clock(needs, word_bytes, split):
 
     async def bench(ctx):
         ctx.set(tiles.split, split)
+        ctx.set(tiles.load, 1)
         for ty in range(down):
             for tx in range(across):
                 slot = ((tx & 1) | ty % kinds << 1) * options.sets + set_of(tx, ty)
@@ -159,7 +160,7 @@ def test_windows_are_cut_from_the_samples(needs, word_bytes):
             flip = int(rng.integers(0, 2)) if needs.margin else 0
             if needs.margin:
                 ctx.set(align.flip, flip)
-            await ctx.tick().repeat(align.latency)
+            await ctx.tick().repeat(1 + align.latency)
             assert [ctx.get(sample) for sample in align.o] == [
                 block[(y - needs.margin + inside(j, edges["y"])) % rows,
                       (x - needs.margin + inside(needs.window - 1 - i if flip else i, edges["x"]))

@@ -10,7 +10,7 @@ from amaranth.utils import ceil_log2
 from ncdc_hdl.backend.cache.tiles import COLUMNS, samples_layout
 from ncdc_hdl.backend.layouts import edges
 from ncdc_hdl.lib.choice import chosen
-from ncdc_hdl.lib.pipeline import register
+from ncdc_hdl.lib.pipeline import delay, register
 from ncdc_spec.cache_options import TILE_WIDTH
 
 __all__ = ["align_for"]
@@ -28,7 +28,8 @@ class _Align(wiring.Component):
 
     for each (j, i) of ``interpolation.samples``.
 
-    Timing: ``latency`` clocks; ``x``, ``y`` and the edges belong to the samples of the same clock.
+    Timing: ``latency`` clocks from the samples to ``o``. All but ``take`` and the samples comes a
+    clock before the samples that it belongs to.
 
     Members
     -------
@@ -68,11 +69,10 @@ class Align(_Align):
         m = Module()
         window, rows = self.interpolation.window, self.interpolation.box_rows
         bytes_across = COLUMNS * self.word_bytes
-        byte = Signal(range(bytes_across), reset_less=True)
-        m.d.sync += byte.eq(self.x)
+        byte = delay(m, self.x[:ceil_log2(bytes_across)], 2, "byte")
         for j in range(window):
-            row = Signal(8 * bytes_across, name=f"row{j}", reset_less=True)
-            m.d.sync += row.eq(Value.cast(self.samples[(self.y + j)[:ceil_log2(rows)]]))
+            which = register(m, f"which{j}", (self.y + j)[:ceil_log2(rows)])
+            row = register(m, f"row{j}", Value.cast(self.samples[which]))
             # The second word is followed by the first one.
             around = Cat(row, row)
             with m.If(self.take):
@@ -112,20 +112,23 @@ class AlignMirrored(_Align):
             # Ring that has the window's column k modulo 8.
             which = Signal(ceil_log2(across), name=f"which{k}")
             m.d.comb += which.eq(column[bits:] + (column[:bits] > k if k < ring - 1 else 0))
+            # The exclusive or makes it a register for each column, which synthesis does not merge.
+            select = staged(f"select{k}", Cat(which, row[0] ^ which[0]))
             for j in range(ring):
-                values = [chosen(list(samples)[k::ring], which)
-                          for samples in (self.samples[j], self.samples[(j + 1) % ring])]
-                bytes_of[j].append(staged(f"w_{j}{k}", chosen(values, row[:1])))
-        w_rows = self._positions(m, "w_row", row, self.edge_y)
-        w_column, w_edge = staged("w_column", column[:bits]), staged("w_edge", self.edge_x)
-        w_flip = staged("w_flip", self.flip)
+                values = [self.samples[(j + (n // across ^ n & 1)) % ring][k + n % across * ring]
+                          for n in range(2 * across)]
+                bytes_of[j].append(staged(f"w_{j}{k}", chosen(values, select)))
+        w_rows = self._positions(m, "w_row", staged("s_row", row), staged("s_edge_y", self.edge_y))
+        w_column, w_edge = (delay(m, value, 2, name) for value, name in
+                            ((column[:bits], "column"), (self.edge_x, "edge_x")))
+        w_flip = delay(m, self.flip, 2, "flip")
         # Stage 2: the rows.
         rows = [staged(f"r_{j}", chosen([Cat(each) for each in bytes_of[j % 2::2]], position))
                 for j, position in enumerate(w_rows)]
         r_column, r_edge = staged("r_column", w_column), staged("r_edge", w_edge)
-        r_flip = staged("r_flip", w_flip)
+        r_flip, by_one = staged("r_flip", w_flip), staged("by_one", w_column[:1] ^ w_flip)
         # Stage 3: columns by one or not, as the first one that is put out is even or odd.
-        turned, by_one = [], r_column[:1] ^ r_flip
+        turned = []
         for j, value in enumerate(rows):
             samples = [value.word_select(k, 8) for k in range(ring)]
             turned.append([staged(f"c_{j}{k}", chosen(

@@ -132,7 +132,7 @@ class Cache(wiring.Component):
             retire.push.eq(tags.push), retire.position.eq(tags.position),
             retire.missing.eq(tags.missing),
             tags.retire.eq(retire.retire),
-            tiles.box.eq(retire.box),
+            tiles.load.eq(retire.load), tiles.box.eq(retire.box),
             retire.samples.eq(tiles.samples),
             self.fetched.eq(tags.claim), self.waiting.eq(retire.waiting),
             self.stalls.eq(tags.stalls),

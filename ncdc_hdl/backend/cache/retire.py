@@ -46,8 +46,8 @@ class Retire(wiring.Component):
         The oldest look-up waits for a tile.
     phase : ``In(2)``
         (column, row) parity of the red samples, constant during a frame, for windows with a margin.
-    box, samples :
-        To the tile memory, as in :class:`Tiles`.
+    load, box, samples :
+        As in :class:`Tiles`: the look-up at the queue's end becomes the oldest one.
     o : ``Out(Credited(window_layout(f_bits, lanes, ...)))``
     """
 
@@ -68,6 +68,7 @@ class Retire(wiring.Component):
             "filled": In(1),
             "retire": Out(1),
             "waiting": Out(1),
+            "load": Out(1),
             "box": Out(box_layout(options, word_bytes)),
             "samples": In(samples_layout(word_bytes, options.interpolation)),
             "o": Out(Credited(window_layout(f_bits, lanes, options.interpolation))),
@@ -76,7 +77,7 @@ class Retire(wiring.Component):
     @property
     def retire_to_window(self):
         """Clocks from ``retire``, which is B, to the window at ``o``: M and S, the alignment."""
-        return Tiles.latency - 1 + self.aligns[0].latency
+        return Tiles.latency - 2 + self.aligns[0].latency
 
     @property
     def latency(self):
@@ -103,15 +104,15 @@ class Retire(wiring.Component):
         with m.If(load):
             m.d.sync += [oldest_valid.eq(following_valid), oldest.eq(following)]
         self._count(m, load & following_valid, following_owed, enough)
-        (b_valid, _), _, (_, s), *_, (w_valid, w) = self._stages(m, pop, oldest)
-        word, row = self._corner(oldest)
+        (b_valid, _), (_, ahead), *_, (w_valid, w) = self._stages(m, pop, oldest)
+        word, row = self._corner(following)
         m.d.comb += [
-            self.retire.eq(b_valid),
-            self.box.set.eq(oldest.set), self.box.next_set.eq(oldest.next_set),
-            self.box.odd_tile.eq(oldest.odd_tile),
+            self.retire.eq(b_valid), self.load.eq(load),
+            self.box.set.eq(following.set), self.box.next_set.eq(following.next_set),
+            self.box.odd_tile.eq(following.odd_tile),
             self.box.word.eq(word), self.box.row.eq(row),
         ]
-        self._windows(m, s, w_valid, w)
+        self._windows(m, ahead, w_valid, w)
         return m
 
     def _queue(self, m, load):
@@ -164,8 +165,12 @@ class Retire(wiring.Component):
             stages.append(before)
         return stages
 
-    def _windows(self, m, s, w_valid, w):
-        """Cut the windows out of the samples; the positions ``s`` and ``w`` are in those stages."""
+    def _windows(self, m, ahead, w_valid, w):
+        """Cut the windows out of the samples.
+
+        The position ``ahead`` is in stage M, a clock before its samples; ``w`` is in the last
+        stage.
+        """
         several, o = self.lanes > 1, self.o.payload
         # A group that took several look-ups is gathered in the output: it leaves with the last.
         m.d.sync += [self.o.valid.eq(w_valid & (w.end if several else 1)),
@@ -175,8 +180,8 @@ class Retire(wiring.Component):
             m.submodules[f"align{k}"] = align = self.aligns[k]
             m.d.comb += [
                 align.take.eq(take), align.samples.eq(self.samples),
-                align.x.eq(s.lane[k].x), align.y.eq(s.lane[k].y), out.samples.eq(align.o),
-                *(getattr(align, edge).eq(s.lane[k][edge])
+                align.x.eq(ahead.lane[k].x), align.y.eq(ahead.lane[k].y), out.samples.eq(align.o),
+                *(getattr(align, edge).eq(ahead.lane[k][edge])
                   for edge in edges(self.options.interpolation)),
             ]
             with m.If(take):
@@ -188,7 +193,7 @@ class Retire(wiring.Component):
                 else:
                     m.d.sync += out.odd_column.eq(w.lane[k].x)
             if self.options.interpolation.margin:
-                m.d.comb += align.flip.eq(self._flipped(s.lane[k]))
+                m.d.comb += align.flip.eq(self._flipped(ahead.lane[k]))
 
     def _flipped(self, lane):
         """Whether the sample of a lane's first point is red or blue."""

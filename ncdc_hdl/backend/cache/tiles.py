@@ -67,25 +67,26 @@ class Tiles(wiring.Component):
     same remainder. Words of 16 bytes are whole rows: w is a tile's column, n is 1, and s counts
     only the slots of every second column.
 
-    Timing: ``samples`` follow ``box`` after 3 clocks: address, memory, samples.
+    Timing: ``samples`` follow a box after 4 clocks: box, address, memory, samples.
 
     Members
     -------
     split : ``In``
         log2 Kx of the index rule, constant during a frame.
     fill : ``In(fill_layout(...))``
-    box : ``In(box_layout(...))``
+    load, box : ``In(1)``, ``In(box_layout(...))``
+        A box, taken while ``load`` is high; its samples are read in each clock until the next one.
     samples : ``Out(samples_layout(word_bytes))``
     """
 
-    latency = 3
+    latency = 4
 
     def __init__(self, options, word_bytes):
         self.options, self.word_bytes = options, word_bytes
         super().__init__({
             "split": In(range(set_bits(options) + 1)),
             "fill": In(fill_layout(options, word_bytes)),
-            "box": In(box_layout(options, word_bytes)),
+            "load": In(1), "box": In(box_layout(options, word_bytes)),
             "samples": Out(samples_layout(word_bytes, options.interpolation)),
         })
 
@@ -102,18 +103,30 @@ class Tiles(wiring.Component):
         fill_column, fill_row = fill.slot[:sets + (not whole)], fill.slot[sets + 1:]
         # Row modulo M in which the box begins.
         begin = Cat(box.row, box.odd_tile.y[:bank_bits])
+        # Of the box that is read: its sets, the tile's row, whether each row of banks is in the
+        # next M rows, not in the box's first M rows of the frame.
+        first, following = Signal.like(box.set), Signal.like(box.next_set)
+        odd_y = Signal.like(box.odd_tile.y)
+        lower = Signal(needs.box_rows)
+        with m.If(self.load):
+            m.d.sync += [first.eq(box.set), following.eq(box.next_set), odd_y.eq(box.odd_tile.y),
+                         lower.eq(Cat(begin > row for row in range(needs.box_rows - 1)))]
         mask_x = Signal(sets)
         m.d.sync += mask_x.eq((1 << self.split) - 1)
         # Without reset, so that they may be the memories' own output registers.
         samples = Signal.like(self.samples, name="read_samples", reset_less=True)
         m.d.comb += self.samples.eq(samples)
         for column in range(COLUMNS):
-            word = Signal.like(box.word, name=f"word{column}")
-            in_next_tile = Signal(name=f"next{column}")
+            word = Signal.like(box.word, name=f"word{column}", reset_less=True)
+            in_next_tile = Signal(name=f"next{column}", reset_less=True)
+            odd_tile_x = Signal(name=f"odd_x{column}", reset_less=True)
             # This bank's word is the box's first, or the one after it.
             begins_in = box.odd_tile.x if whole else box.word[0]
-            m.d.comb += Cat(word, in_next_tile).eq(box.word + (begins_in != column))
-            odd_x = Const(0, 0) if whole else box.odd_tile.x ^ in_next_tile
+            words_on = (box.word + (begins_in != column))[:len(word) + 1]
+            with m.If(self.load):
+                m.d.sync += [Cat(word, in_next_tile).eq(words_on),
+                             odd_tile_x.eq(box.odd_tile.x ^ words_on[-1])]
+            odd_x = Const(0, 0) if whole else odd_tile_x
             for row in range(needs.box_rows):
                 bank = f"bank{row}{column}"
                 # A tile is not read before it is complete, nor written before it has been read.
@@ -127,19 +140,17 @@ class Tiles(wiring.Component):
                     write.en.eq(fill.enable[column] & (Cat(fill.row, fill_row[:bank_bits]) == row)
                                 & ((fill.slot[sets] == column) if whole else 1)),
                 ]
-                # The bank's row is in the next M rows, not in the box's first M rows of the frame.
-                lower = begin > row if row < needs.box_rows - 1 else Const(0, 1)
                 address = Signal(len(read.addr), reset_less=True, name=f"address{row}{column}")
                 # A set has bits of the column, where the mask has ones, and bits of the row.
                 chosen = Signal(sets, name=f"set{row}{column}")
                 m.d.comb += [
                     chosen.eq(Cat(
-                        Mux(Mux(is_x, in_next_tile, lower), following, first)
-                        for is_x, first, following in zip(mask_x, box.set, box.next_set))),
+                        Mux(Mux(is_x, in_next_tile, lower[row]), then, now)
+                        for is_x, now, then in zip(mask_x, first, following))),
                     read.addr.eq(address)]
                 m.d.sync += [
-                    address.eq(Cat(word[1:], chosen, odd_x, box.odd_tile.y[bank_bits:] ^ lower)
-                               if bank_bits < len(box.odd_tile.y) else
+                    address.eq(Cat(word[1:], chosen, odd_x, odd_y[bank_bits:] ^ lower[row])
+                               if bank_bits < len(odd_y) else
                                Cat(word[1:], chosen, odd_x)),
                     Value.cast(samples[row])[
                         8 * self.word_bytes * column:][:8 * self.word_bytes].eq(read.data)]

@@ -41,7 +41,8 @@ def stress_cache(cache, *, groups, seed=1, resets=0):
                "NCDC_TILES": cache.options.tiles, "NCDC_FRACTION_BITS": cache.f_bits,
                "NCDC_CORE": needs.core, "NCDC_MARGIN": needs.margin,
                "NCDC_TILE_HEIGHT": needs.tile_height, "NCDC_TILE_ROWS": needs.tile_rows,
-               "NCDC_WINDOW_LATENCY": cache.window_latency, "NCDC_BOX_ROWS": needs.box_rows, "NCDC_BOX_WORD": needs.box_word(cache.lanes)}
+               "NCDC_BOX_ROWS": needs.box_rows, "NCDC_BOX_WORD": needs.box_word(cache.lanes),
+               "NCDC_WINDOW_LATENCY": cache.window_latency}
     for letter, layout in (("I", request_layout(cache.f_bits, cache.lanes, needs)),
                            ("O", window_layout(cache.f_bits, cache.lanes, needs))):
         fields, lanes = dict(layout), 0
