@@ -41,9 +41,8 @@ class Relay(wiring.Component):
         m.d.comb += [self.i.ready.eq(free), Value.cast(self.o.payload).eq(o)]
         with m.If(free):
             m.d.sync += aside.eq(i)
-        with m.If(~self.o.valid | self.o.ready):
-            m.d.sync += [self.o.valid.eq(~free | self.i.valid), free.eq(1),
-                         o.eq(Mux(free, i, aside))]
-        with m.Elif(self.i.valid):
-            m.d.sync += free.eq(0)
+        moves = ~self.o.valid | self.o.ready
+        with m.If(moves):
+            m.d.sync += [self.o.valid.eq(~free | self.i.valid), o.eq(Mux(free, i, aside))]
+        m.d.sync += free.eq(moves | (free & ~self.i.valid))
         return m

@@ -61,7 +61,7 @@ class NeverInFlight(Interlock):
     """Takes all look-ups that the memory reports for read."""
 
     @staticmethod
-    def _in_flight(since, before, wrapped):
+    def _in_use(pending):
         return Const(0)
 
 

@@ -58,7 +58,7 @@ def test_ten_million_random_windows(data_width, options, lanes, groups):
 
 
 GUARDS = {
-    "interlock": (Interlock, "_in_flight", lambda since, before, wrapped: Const(0)),
+    "interlock": (Interlock, "_in_use", lambda pending: Const(0)),
     "tokens": (Retire, "_enough", lambda balance: balance >= -1),
     "credit": (Fills, "_credit", lambda outstanding, most: outstanding != most + 1),
     "clear": (Tags, "_last", lambda position: Const(0)),

@@ -4,7 +4,7 @@ from amaranth import *
 from amaranth.lib import data, wiring
 from amaranth.lib.wiring import In, Out
 
-from ncdc_hdl.backend.cache.forwarding import between_layout
+from ncdc_hdl.backend.cache.forwarding import EARLIER, between_layout
 
 __all__ = ["Interlock"]
 
@@ -15,8 +15,8 @@ class Interlock(wiring.Component):
     An entry is busy while its last user is among the pending look-ups, as its
     number shows, see ``Pending``. Numbers repeat, so that an old entry may seem busy; it is freed
     by the next look-ups read. If an earlier look-up touches an entry, the memory does not
-    have its last user. It counts as busy until the look-up is in stage A, where the last
-    user's number is that look-up's own, less the look-ups between, less one.
+    have its last user. It counts as busy until the look-up is in stage A. Then all look-ups before
+    it have been passed on: that user is pending if more look-ups are than those between.
 
     Timing: ``d_busy`` follows ``last_use``, ``touched`` and ``between`` after one shift;
     ``a_busy`` follows ``d_busy`` with the next shift, and ``retired`` at once.
@@ -34,7 +34,7 @@ class Interlock(wiring.Component):
         For the look-up in stage C, as in ``Forwarding``.
     last_use : ``In(ArrayLayout(sequence_bits, tag_banks))``
         For the look-up in stage C, as in ``TagMemory``.
-    number, retired, wrapped : ``In``
+    number, retired, wrapped, more : ``In``
         Numbers of the pending look-ups, as in ``Pending``.
     d_busy : ``Out(tag_banks)``
         Whether each entry of the look-up in stage D is busy.
@@ -53,6 +53,7 @@ class Interlock(wiring.Component):
             "number": In(number),
             "retired": In(number),
             "wrapped": In(1),
+            "more": In(EARLIER),
             "d_busy": Out(options.tag_banks),
             "a_busy": Out(options.tag_banks),
         })
@@ -66,42 +67,37 @@ class Interlock(wiring.Component):
         d_touched = Signal(banks)               # an earlier look-up touches the entry
         d_between = Signal(between)             # look-ups between that one and this one
         d_last_use = Signal(data.ArrayLayout(bits, banks), reset_less=True)  # by the memory
-        with m.If(self.shift):
-            m.d.sync += [
-                d_touched.eq(self.touched),
-                d_between.eq(self.between),
-                d_last_use.eq(self.last_use),
-            ]
-            for bank, last_use in enumerate(self.last_use):
-                m.d.sync += self.d_busy[bank].eq(self.touched[bank] | self._in_flight(
-                    last_use >= self.retired, last_use < self.number, self.wrapped))
-
         # A: the same while the look-up stays.
         a_new = Signal()                        # the look-up is in its first clock in stage A
-        a_touched = Signal(banks)               # an earlier look-up touched the entry
-        a_between = Signal(between)             # look-ups between that one and this one
-        # The last user: in the first clock that of the memory, later also that of earlier look-ups.
+        a_touched = Signal(banks)
+        a_between = Signal(between)
         a_last_use = Signal(data.ArrayLayout(bits, banks), reset_less=True)
         m.d.sync += a_new.eq(self.shift)
         with m.If(self.shift):
-            m.d.sync += [a_touched.eq(d_touched), a_between.eq(d_between),
-                         a_last_use.eq(d_last_use)]
-        for bank, last_use in enumerate(a_last_use):
-            unknown = a_new & a_touched[bank]
-            with m.If(~self.shift & unknown):
-                # One addition makes `number - 1 - between`: that of the inverted bits.
-                m.d.sync += last_use.eq(
-                    self.number + ~Cat(a_between[bank], Const(0, bits - len(a_between[bank]))))
-            m.d.comb += self.a_busy[bank].eq(unknown | self._in_flight(
-                last_use >= self.retired, last_use < self.number, self.wrapped))
+            m.d.sync += [
+                d_touched.eq(self.touched), d_between.eq(self.between),
+                d_last_use.eq(self.last_use),
+                a_touched.eq(d_touched), a_between.eq(d_between), a_last_use.eq(d_last_use),
+            ]
+            for bank in range(banks):
+                m.d.sync += self.d_busy[bank].eq(
+                    self.touched[bank] | self._in_use(self._pending(self.last_use[bank])))
+        for bank in range(banks):
+            # After an earlier look-up, as many are pending as are between, and that one.
+            pending = Mux(a_touched[bank], self.more.bit_select(a_between[bank], 1),
+                          self._pending(a_last_use[bank]))
+            m.d.comb += self.a_busy[bank].eq((a_new & a_touched[bank]) | self._in_use(pending))
         return m
 
-    @staticmethod
-    def _in_flight(since, before, wrapped):
-        """Whether a last user is one of the pending look-ups.
+    def _pending(self, last_use):
+        """Whether the look-up of a number is pending, from ``retired`` to before ``number``."""
+        since, before = last_use >= self.retired, last_use < self.number
+        return (since & before) | (self.wrapped & (since | before))
 
-        ``since``: its number is not below ``retired``. ``before``: it is below ``number``.
-        ``wrapped``: ``number`` has wrapped to 0 and ``retired`` has not. A method of its own only
-        so that proofs and tests can break the interlock.
+    @staticmethod
+    def _in_use(pending):
+        """Whether an entry is in use: its last user is ``pending``.
+
+        A method of its own only so that proofs and tests can break the interlock.
         """
-        return (since & before) | (wrapped & (since | before))
+        return pending

@@ -4,6 +4,8 @@ from amaranth import *
 from amaranth.lib import wiring
 from amaranth.lib.wiring import In, Out
 
+from ncdc_hdl.backend.cache.forwarding import EARLIER
+
 __all__ = ["Pending"]
 
 
@@ -34,6 +36,8 @@ class Pending(wiring.Component):
     wrapped : ``Out(1)``
         ``number`` has wrapped to 0 and ``retired`` has not: the numbers of pending look-ups are
         those not below ``retired``, and those below ``number``.
+    more : ``Out(EARLIER)``
+        Bit k: more than k look-ups are pending.
     space : ``Out(1)``
         One more look-up may be passed on.
     """
@@ -49,6 +53,7 @@ class Pending(wiring.Component):
             "number": Out(options.sequence_bits),
             "retired": Out(options.sequence_bits),
             "wrapped": Out(1),
+            "more": Out(EARLIER),
             "space": Out(1, init=1),
         })
 
@@ -76,5 +81,7 @@ class Pending(wiring.Component):
             m.d.sync += [
                 level.eq(Mux(self.push, level + 1, level - 1)),
                 self.space.eq(self.retire | (level != limit - 1)),
+                self.more.eq(Mux(self.push, Cat(1, self.more),
+                                 Cat(self.more[1:], level > EARLIER))),
             ]
         return m

@@ -130,8 +130,8 @@ class Tags(wiring.Component):
                 m.d.sync += [valid.eq(before_valid), stage.eq(before),
                              stage.need.eq(Mux(before_valid, before.need, 0))]
         self._look_up(m, *(stage for _, stage in stages))
-        m.d.comb += [self.forwarding.r_valid.eq(r_valid), self.forwarding.l_valid.eq(l_valid),
-                     self.forwarding.c_valid.eq(c_valid), self.forwarding.d_valid.eq(d_valid)]
+        m.d.comb += [self.forwarding.l_valid.eq(l_valid), self.forwarding.c_valid.eq(c_valid),
+                     self.forwarding.d_valid.eq(d_valid), self.forwarding.a_valid.eq(a_valid)]
 
         # D: whether it may leave in the first clock of stage A.
         m.d.comb += [
@@ -189,6 +189,7 @@ class Tags(wiring.Component):
             interlock.touched.eq(forwarding.touched),
             interlock.between.eq(forwarding.between),
             interlock.last_use.eq(memory.last_use),
+            interlock.more.eq(pending.more),
             interlock.number.eq(pending.number),
             interlock.retired.eq(pending.retired),
             interlock.wrapped.eq(pending.wrapped),

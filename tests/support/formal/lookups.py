@@ -7,6 +7,7 @@ from amaranth.lib.wiring import In
 from formal.properties import always, constant, given, inner, reached
 from formal.queue_state import entries
 from formal.wrapper import Wrapper
+from ncdc_hdl.backend.cache.forwarding import EARLIER
 from ncdc_hdl.backend.cache.layouts import lookup_layout, row_bits
 from ncdc_hdl.backend.cache.retire import Retire
 from ncdc_hdl.backend.cache.tags import Tags
@@ -192,8 +193,6 @@ class Tokens(_Lookups):
             ("balance", "push", "owed", "oldest_valid", "b_valid"))
         a_valid = inner(fragment, "tags", "a_valid")
         ahead, memory = self.tags.forwarding, self.tags.memory
-        l_known, l_hit = (inner(
-            fragment, "tags", "forwarding", name) for name in ("l_known", "l_hit"))
         a_hit = inner(fragment, "tags", "act", "a_hit")
         left, done, final = (inner(fragment, "tags", "claims", name)
                              for name in ("left", "done", "final"))
@@ -210,6 +209,7 @@ class Tokens(_Lookups):
         always(m, level <= most, "most_pending")
         always(m, space == (level != most), "space_flag")
         always(m, (numbers - retirals)[:len(numbers)] == level, "numbers")
+        always(m, self.tags.pending.more == Cat(level > k for k in range(EARLIER)), "more_flags")
         # Tiles still to be claimed: `need` is at the end of a look-up's tiles.
         banks = self.options.tag_banks
         claiming, next_one, second = left[-banks:], o[-banks:], aside[-banks:]
@@ -220,7 +220,6 @@ class Tokens(_Lookups):
             claimed = claimed - Mux(there, own, 0)
             always(m, ~there | ((own <= 0) & (own >= -self.options.tag_banks)), f"misses{number}")
         # An empty stage misses nothing.
-        always(m, ahead.l_valid | (l_known & l_hit).all(), "known_of_none_before")
         always(m, ahead.c_valid | (ahead.known & ahead.hit).all(), "known_of_none")
         always(m, ahead.d_valid | ~memory.missing.any(), "missed_by_none")
         always(m, a_valid | ~self.tags.act.missing.any(), "claimed_for_none")
