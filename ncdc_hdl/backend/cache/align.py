@@ -108,17 +108,16 @@ class AlignMirrored(_Align):
         m.d.comb += [column.eq(self.x - needs.margin), row.eq(self.y - needs.margin)]
         # Stage 1: of both words, the columns from the window's first one on; rows by one or not.
         bytes_of = [[] for _ in self.samples]
+        s_row = staged("s_row", row)
         for k in range(ring):
             # Ring that has the window's column k modulo 8.
-            which = Signal(ceil_log2(across), name=f"which{k}")
-            m.d.comb += which.eq(column[bits:] + (column[:bits] > k if k < ring - 1 else 0))
-            # The exclusive or makes it a register for each column, which synthesis does not merge.
-            select = staged(f"select{k}", Cat(which, row[0] ^ which[0]))
+            which = Signal(ceil_log2(across), name=f"which{k}", reset_less=True)
+            m.d.sync += which.eq(column[bits:] + (column[:bits] > k if k < ring - 1 else 0))
             for j in range(ring):
-                values = [self.samples[(j + (n // across ^ n & 1)) % ring][k + n % across * ring]
-                          for n in range(2 * across)]
-                bytes_of[j].append(staged(f"w_{j}{k}", chosen(values, select)))
-        w_rows = self._positions(m, "w_row", staged("s_row", row), staged("s_edge_y", self.edge_y))
+                values = [chosen(list(samples)[k::ring], which)
+                          for samples in (self.samples[j], self.samples[(j + 1) % ring])]
+                bytes_of[j].append(staged(f"w_{j}{k}", chosen(values, s_row[:1])))
+        w_rows = self._positions(m, "w_row", s_row, staged("s_edge_y", self.edge_y))
         w_column, w_edge = (delay(m, value, 2, name) for value, name in
                             ((column[:bits], "column"), (self.edge_x, "edge_x")))
         w_flip = delay(m, self.flip, 2, "flip")
