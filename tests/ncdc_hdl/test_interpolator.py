@@ -6,6 +6,7 @@ import pytest
 from ncdc_hdl.backend.bayer import BayerQuads
 from ncdc_hdl.backend.bilinear import Bilinear
 from ncdc_hdl.backend.interpolator import Interpolator
+from ncdc_hdl.lib.credits import CreditQueue
 from ncdc_model.golden.picture import bayer_quads, bilinear
 from ncdc_spec.geometry import BAYER_PHASE
 from pipelines import get, run_bench, run_pipeline, send
@@ -96,3 +97,20 @@ def test_stream_equals_model(gap, stall):
     np.testing.assert_array_equal([[p.r, p.g, p.b] for p in got], expected)
     assert [k for k, p in enumerate(got) if p.first] == [0]
     assert [k for k, p in enumerate(got) if p.last] == [count - 1]
+
+
+def test_no_clock_is_lost_to_credits():
+    """The queue has space for all windows under way, however early they are announced."""
+    dut, count, clocks = Interpolator(F, window_latency=30), 200, []
+
+    async def source(ctx):
+        await send(ctx, dut.i, [{"blank": 1}] * count, lambda: False, dut.window_latency)
+
+    async def sink(ctx):
+        ctx.set(dut.o.ready, 1)
+        while sum(clocks) < count:
+            clocks.append((await ctx.tick().sample(dut.o.valid))[2])
+
+    run_bench(dut, source, sink)
+    first = dut.window_latency + dut.latency + CreditQueue.latency
+    assert clocks == [0] * first + [1] * count
