@@ -191,7 +191,7 @@ class Tokens(_Lookups):
         balance, push, owed, oldest_valid, b_valid = (
             inner(fragment, "retire", name) for name in
             ("balance", "push", "owed", "oldest_valid", "b_valid"))
-        a_valid = inner(fragment, "tags", "a_valid")
+        a_valid = self.tags.act.valid
         ahead, memory = self.tags.forwarding, self.tags.memory
         a_hit = inner(fragment, "tags", "act", "a_hit")
         left, done, final = (inner(fragment, "tags", "claims", name)
