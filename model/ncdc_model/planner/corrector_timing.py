@@ -43,7 +43,8 @@ class CorrectorTiming:
     queued_words : int
         Words of corrected pixels in the burst writer, at most.
     queued_pixels : int
-        Pixels in the interpolator, at most.
+        Pixels of windows read that are not yet taken, at most: on their way, or in the
+        interpolator's queue.
     nodes, node_clocks : int
         Distance of nodes in pixels, and clocks per node; 1 and the clocks per group of pixels for
         a network at every pixel.

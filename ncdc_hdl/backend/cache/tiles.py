@@ -101,13 +101,12 @@ class Tiles(wiring.Component):
         # Whether a word is a whole row of a tile: then the bank is the tile's column modulo 2.
         whole = self.word_bytes == TILE_WIDTH
         fill_column, fill_row = fill.slot[:sets + (not whole)], fill.slot[sets + 1:]
-        # Row modulo M in which the box begins.
-        begin = Cat(box.row, box.odd_tile.y[:bank_bits])
         # Of the box that is read: its sets, the tile's row, whether each row of banks is in the
         # next M rows, not in the box's first M rows of the frame.
         first, following = Signal.like(box.set), Signal.like(box.next_set)
         odd_y = Signal.like(box.odd_tile.y)
         lower = Signal(needs.box_rows)
+        begin = Cat(box.row, box.odd_tile.y[:bank_bits])    # row modulo M in which it begins
         with m.If(self.load):
             m.d.sync += [first.eq(box.set), following.eq(box.next_set), odd_y.eq(box.odd_tile.y),
                          lower.eq(Cat(begin > row for row in range(needs.box_rows - 1)))]
@@ -117,16 +116,7 @@ class Tiles(wiring.Component):
         samples = Signal.like(self.samples, name="read_samples", reset_less=True)
         m.d.comb += self.samples.eq(samples)
         for column in range(COLUMNS):
-            word = Signal.like(box.word, name=f"word{column}", reset_less=True)
-            in_next_tile = Signal(name=f"next{column}", reset_less=True)
-            odd_tile_x = Signal(name=f"odd_x{column}", reset_less=True)
-            # This bank's word is the box's first, or the one after it.
-            begins_in = box.odd_tile.x if whole else box.word[0]
-            words_on = (box.word + (begins_in != column))[:len(word) + 1]
-            with m.If(self.load):
-                m.d.sync += [Cat(word, in_next_tile).eq(words_on),
-                             odd_tile_x.eq(box.odd_tile.x ^ words_on[-1])]
-            odd_x = Const(0, 0) if whole else odd_tile_x
+            word, in_next_tile, odd_x = self._column(m, column, whole)
             for row in range(needs.box_rows):
                 bank = f"bank{row}{column}"
                 # A tile is not read before it is complete, nor written before it has been read.
@@ -155,3 +145,18 @@ class Tiles(wiring.Component):
                     Value.cast(samples[row])[
                         8 * self.word_bytes * column:][:8 * self.word_bytes].eq(read.data)]
         return m
+
+    def _column(self, m, column, whole):
+        """Of the box that is read, for the banks of a column: their word in its tile, whether that
+        is the next tile to the right, and its column modulo 2 if that is in the address."""
+        box = self.box
+        word = Signal.like(box.word, name=f"word{column}", reset_less=True)
+        in_next_tile = Signal(name=f"next{column}", reset_less=True)
+        odd_x = Signal(0 if whole else 1, name=f"odd_x{column}", reset_less=True)
+        # This bank's word is the box's first, or the one after it.
+        begins_in = box.odd_tile.x if whole else box.word[0]
+        words_on = (box.word + (begins_in != column))[:len(word) + 1]
+        with m.If(self.load):
+            m.d.sync += [Cat(word, in_next_tile).eq(words_on),
+                         odd_x.eq(box.odd_tile.x ^ words_on[-1])]
+        return word, in_next_tile, odd_x
