@@ -24,6 +24,11 @@ __all__ = ["HDL", "build", "build_bench", "command_of", "hdl_text", "run",
 
 HDL = Path(__file__).parent / "hdl"
 
+# Macros of Verilator's Makefile while it has none of the options that follow.
+_HEADER_MACROS = ("-DVERILATOR=1", *(f"-DVM_{name}=0" for name in (
+    "COVERAGE", "SC", "TIMING", "TRACE", "TRACE_FST", "TRACE_VCD", "TRACE_SAIF")))
+_OTHER_HEADER = ("--coverage", "--main", "--timing", "--trace", "-CFLAGS")
+
 
 def hdl_text(name):
     """Text of the file ``name`` of :data:`HDL`, with the files that it includes filled in."""
@@ -64,6 +69,7 @@ def build(name, top, sources, *, defines=None, simulator="verilator", main=None,
         If the sources do not compile.
     """
     compiler = tool(simulator)
+    optimise = optimise or os.environ.get("NCDC_OPTIMISE", "-O2")
     defines = [f"-D{key}" if value is None else f"-D{key}={value}"
                for key, value in sorted((defines or {}).items())]
     if simulator == "icarus":
@@ -73,7 +79,7 @@ def build(name, top, sources, *, defines=None, simulator="verilator", main=None,
         program = top
         command = [compiler, "--cc", "--exe", "--build", "-j", "2", "-O3", "--top-module", top,
                    "--timescale", "1ns/1ps", "--Mdir", "model", "-o", f"../{program}",
-                   *_make_flags(optimise or os.environ.get("NCDC_OPTIMISE", "-O2"), main, options),
+                   *_make_flags(optimise, main, options),
                    *WAIVERS, *options, *_coverage(), *defines]
     texts = [(file, without_header(text)) for file, text in sources]
     if main is not None and simulator == "verilator":
@@ -83,7 +89,8 @@ def build(name, top, sources, *, defines=None, simulator="verilator", main=None,
         check_compiler(simulator)
         for file, text in texts:
             (folder / file).write_text(text)
-        call([*command, *(file for file, _ in texts)], folder)
+        header = _header(optimise, command) if simulator == "verilator" else ()
+        call([*command, *header, *(file for file, _ in texts)], folder)
         for file, _ in texts:
             (folder / file).unlink()
         shutil.rmtree(folder / "model", ignore_errors=True)
@@ -123,6 +130,28 @@ def _make_flags(optimise, main, options):
         if main is not None and not any(option.startswith("--trace") for option in options):
             flags += ["VM_USER_CLASSES=", f"VM_SUPPORT_FAST={main.stem}"]
     return [text for flag in flags for text in ("-MAKEFLAGS", flag)]
+
+
+def _header(optimise, command):
+    """Options of ``command`` that let the C++ compiler read Verilator's header precompiled.
+
+    The header takes a third of the time of a build with -O0. Where the compiler finds that the
+    precompiled one does not fit, it reads the text. None for other builds: those of several files
+    precompile a header of their own, and other options of Verilator change what it declares.
+    """
+    root = environment().get("VERILATOR_ROOT")
+    other = any(option.startswith(_OTHER_HEADER) for option in command)
+    if optimise != "-O0" or other or root is None:
+        return ()
+    include = ("-O0", f"-I{root}/include", f"-I{root}/include/vltstd", *_HEADER_MACROS)
+
+    def precompile(folder):
+        (folder / "model.h").write_text('#include "verilated.h"\n')
+        call(["g++", *include, "-x", "c++-header", "model.h"], folder)
+
+    header = built(key_of("header", version("verilator"), *include), precompile) / "model.h"
+    # After the option of the same name in `command`: make takes the last.
+    return "-MAKEFLAGS", f"OPT_FAST='-O0 -include {header}'"
 
 
 def command_of(program):

@@ -70,6 +70,33 @@ def test_failing_simulation_shows_its_last_lines(tmp_path):
         run([sys.executable, "-c", code], tmp_path)
 
 
+@pytest.mark.longer
+def test_the_compiler_takes_the_precompiled_header(monkeypatch, tmp_path):
+    """Of two builds one precompiles it; a compiler that would rather read the text fails."""
+    main = tmp_path / "main.cpp"
+    main.write_text('#include "Vhello.h"\nint main() { Vhello().eval(); }\n')
+    commands = []
+
+    def strict(command, folder):
+        commands.append(str(command[0]))
+        tools.call([part.replace("-include", "-Werror=invalid-pch -include")
+                    for part in command], folder)
+
+    monkeypatch.setattr(runner, "call", strict)
+    for text in HELLO, HELLO.replace("hello\")", "bye\")"):
+        build("hello", "hello", [("hello.v", text)], optimise="-O0", main=main)
+    assert [name == "g++" for name in commands] == [True, False, False]
+
+
+@pytest.mark.parametrize("changed", [{"optimise": "-O2"}, {"options": ("--trace-vcd",)},
+                                     {"options": ("--timing", "--main")}])
+def test_other_builds_have_another_header(monkeypatch, changed):
+    commands = []
+    monkeypatch.setattr(runner, "call", lambda command, folder: commands.append(command))
+    build("hello", "hello", [("hello.v", HELLO)], **{"optimise": "-O0", **changed})
+    assert len(commands) == 1 and not any("-include" in part for part in commands[0])
+
+
 def test_interrupted_run_ends_the_simulation(tmp_path):
     code = "import time; print('pid', flush=True); time.sleep(60)"
     started = []
