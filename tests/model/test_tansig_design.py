@@ -21,7 +21,12 @@ from ncdc_spec.tansig import (
 from ncdc_spec.tansig.lvc import quotient, quotient_error
 from ncdc_spec.tansig.mmhbc_bound import error_terms
 from tansig_tuning import monotonic_tuning
-from tansigs import DESIGNS, errors, every_magnitude, gateware, stimuli
+from tansigs import NAMES, errors, every_design, every_magnitude, gateware, stimuli
+
+
+@pytest.fixture
+def design(request):
+    return design_for(*request.param)
 
 
 @pytest.mark.parametrize("bits", FRACTION_BITS)
@@ -54,7 +59,7 @@ def test_rejects(make, message):
 
 def test_costs():
     assert [(d.variant, d.fraction_bits, d.multipliers, d.adders, d.stages, d.table_bits)
-            for d in DESIGNS if d.fraction_bits in (16, 20)] == [
+            for d in (design_for(*name) for name in NAMES if name[1] in (16, 20))] == [
         ("mmhbc", 16, 0, 33, 33, 5376), ("mmhbc", 20, 0, 36, 36, 12800),
         ("classic", 16, 1, 80, 41, 368), ("classic", 20, 1, 93, 48, 416),
         ("table", 16, 2, 3, 5, 3968), ("table", 20, 2, 3, 5, 8176)]
@@ -64,7 +69,7 @@ def test_costs():
 PARTS = {"mmhbc": 0, "classic": 4, "table": 2}
 
 
-@pytest.mark.parametrize("design", DESIGNS, ids=str)
+@every_design()
 def test_costs_are_those_of_the_netlist(design):
     """Adders of mmhbc exactly; the others have a few more for the parts of products, and narrow
     ones next to the data path, at most 6."""
@@ -97,8 +102,7 @@ def test_the_quotients_bound_holds_on_single_points():
 
 
 @pytest.mark.regress
-@pytest.mark.parametrize("design", [d for d in DESIGNS if d.variant != "classic"],
-                         ids=lambda d: f"{d.variant}{d.fraction_bits}")
+@every_design([name for name in NAMES if name[0] != "classic"])
 def test_the_tuned_entries_are_those_of_the_rule(design):
     tuned, plain = ((design.table, design.rounded_table) if design.variant == "mmhbc" else
                     ([row[0] for row in rows] for rows in (design.coefficients, design.fitted)))

@@ -6,12 +6,14 @@ import pytest
 
 from ncdc_hdl.neural.lookup import Lookup
 from ncdc_spec.fixed import Q
-from ncdc_spec.tansig import TableDesign, TansigDesign, tansig
+from ncdc_spec.tansig import TableDesign, TansigDesign, design_for, tansig
 from pipelines import run_pipeline
-from tansigs import DESIGNS, edges, errors, every_magnitude, gateware, stimuli
+from tansigs import edges, errors, every_design, every_magnitude, gateware, stimuli
 
-NAMES = [f"{design.variant}{design.fraction_bits}" for design in DESIGNS]
-EVERY = pytest.mark.parametrize("design", DESIGNS, ids=NAMES)
+
+@pytest.fixture
+def design(request):
+    return design_for(*request.param)
 
 
 def check_every_magnitude(design):
@@ -35,12 +37,12 @@ def test_every_magnitude():
 
 
 @pytest.mark.regress
-@EVERY
+@every_design()
 def test_every_magnitude_of_every_design(design):
     check_every_magnitude(design)
 
 
-@EVERY
+@every_design()
 def test_the_bound_holds_where_doubles_might_not_decide(design):
     rng = np.random.default_rng(3)
     for n in np.concatenate([edges(design)[::37], rng.integers(0, design.input.hi, 50)]).tolist():
@@ -49,7 +51,7 @@ def test_the_bound_holds_where_doubles_might_not_decide(design):
         assert abs(result - exact) * 2**design.fraction_bits < design.bound_ulp < 1, n
 
 
-@EVERY
+@every_design()
 def test_odd_zero_and_saturated(design):
     n = edges(design)
     n = n[n > design.input.lo]
@@ -59,7 +61,7 @@ def test_odd_zero_and_saturated(design):
     assert lowest == -tansig(design.input.hi, design) == design.output.lo + 1
 
 
-@EVERY
+@every_design()
 def test_gateware_equals_model(design):
     n = stimuli(design, 500)
     np.testing.assert_array_equal(gateware(design, n), tansig(n, design))

@@ -1,14 +1,21 @@
 """The designs of the tan-sigmoid: results and errors of all inputs, and their gateware."""
 
 import numpy as np
+import pytest
 
 from ncdc_hdl.neural.tansig import Tansig
-from ncdc_spec.tansig import FRACTION_BITS, VARIANTS, design_for, tansig
+from ncdc_spec.tansig import FRACTION_BITS, VARIANTS, tansig
 from pipelines import run_pipeline
 
-__all__ = ["DESIGNS", "edges", "errors", "every_magnitude", "gateware", "stimuli"]
+__all__ = ["NAMES", "edges", "every_design", "errors", "every_magnitude", "gateware", "stimuli"]
 
-DESIGNS = [design_for(variant, bits) for variant in VARIANTS for bits in FRACTION_BITS]
+# Variants and fraction bits of all designs, which take seconds to make.
+NAMES = [(variant, bits) for variant in VARIANTS for bits in FRACTION_BITS]
+
+
+def every_design(names=NAMES):
+    """Mark of tests that take a ``design``: its fixture makes that of its parameter."""
+    return pytest.mark.parametrize("design", names, ids=lambda name: "%s%d" % name, indirect=True)
 
 
 def every_magnitude(design):
