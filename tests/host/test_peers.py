@@ -53,6 +53,7 @@ def test_every_feature_and_frames_of_three_devices(three, scheme):
     assert (row["frames"], row["incomplete"], row["wrong_pixels"]) == (15, 0, 0)
 
 
+@pytest.mark.longer
 def test_a_wrong_pixel_is_seen(three, monkeypatch):
     """Frames of the raw source, compared with the corrected picture."""
     right = three.expected(True)
@@ -61,18 +62,21 @@ def test_a_wrong_pixel_is_seen(three, monkeypatch):
     assert row["wrong_pixels"] == 2 * 320 * 240 and complaints([row])
 
 
+@pytest.mark.longer
 def test_monitors_watch_and_do_not_write(three):
     row = unhurried(lambda: monitor_row(three, 5, 2, FAST))
     assert (row["frames"], row["incomplete"], row["wrong_pixels"]) == (5, 0, 0)
     assert row["writes_rejected"] == 2
 
 
+@pytest.mark.longer
 def test_control_is_free_when_its_holder_is_killed(three):
     row = killed_row(three)
     # Not before the heartbeat's time, which runs from the last command before the death.
     assert 1 < row["seconds_until_free"]
 
 
+@pytest.mark.longer
 def test_a_second_controller_is_rejected(three):
     holder = three.start(three.task("gige", frames=100_000))
     while holder.stderr.readline() != "streaming\n":

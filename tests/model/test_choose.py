@@ -46,6 +46,7 @@ def test_camera_file_takes_the_first_that_meets_the_error_on_the_whole_frame(cam
                                             for kind in ("float", "fixed")), abs=1e-6)
 
 
+@pytest.mark.longer
 def test_points_are_judged_by_those_held_out_inside_the_frame(camera_file):
     source = replace(load_source(camera_file), back_map=None)
     trained = choose.choose_camera(source, 4.0)
@@ -71,6 +72,7 @@ def test_integers_that_miss_the_error_do_not_count(camera_file, monkeypatch):
     assert trained.report["tried"][2]["max"] == 9 and trained.descriptor.hidden_neurons == 4
 
 
+@pytest.mark.longer
 def test_without_a_limit_a_tenth_of_a_pixel_is_tried_for(camera_file, monkeypatch, capsys):
     monkeypatch.setattr(choose, "MAX_TRIED", 3)
     out = camera_file.with_name("net.toml")

@@ -49,8 +49,8 @@ def test_an_aprilgrid_is_named(columns, rows, spacing):
     assert "it shows an AprilGrid (" in other_board(aprilgrid(columns, rows, spacing))
 
 
-@pytest.mark.parametrize("target", [
-    pytest.param("auto", marks=pytest.mark.longer), "chessboard:6x6", "charuco:6x6"])
+@pytest.mark.longer
+@pytest.mark.parametrize("target", ["auto", "chessboard:6x6", "charuco:6x6"])
 def test_an_aprilgrid_is_no_other_target(target):
     with pytest.raises(InputError, match=r"it shows an AprilGrid \(\d+ of its markers\), which is "
                                          r"not supported"):

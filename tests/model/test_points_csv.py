@@ -30,7 +30,7 @@ def board(aspect=1.0, photos=2):
     return TargetPoints("chessboard", (320, 240), tuple(shots), aspect=aspect)
 
 
-@pytest.mark.parametrize("aspect", [1.0, 3**-.5])
+@pytest.mark.parametrize("aspect", [pytest.param(1.0, marks=pytest.mark.longer), 3**-.5])
 def test_what_export_writes_is_read_again(tmp_path, aspect):
     points = board(aspect)
     points.save(tmp_path / "points.json")

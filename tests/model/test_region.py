@@ -52,7 +52,9 @@ def estimated(flaw):
     return region_of(frame, Geometry(*SIZE, *SIZE)), true_map
 
 
-@pytest.mark.parametrize("flaw", [lambda xy: 0.0, bump], ids=["even lens", "bump"])
+@pytest.mark.parametrize("flaw", [
+    pytest.param(lambda xy: 0.0, id="even lens", marks=pytest.mark.longer),
+    pytest.param(bump, id="bump")])
 def test_the_true_map_has_hardly_an_error(flaw):
     region, true_map = estimated(flaw)
     whole, _ = region.errors(true_map)
@@ -71,6 +73,7 @@ def test_a_wrong_map_has_the_error_that_it_has():
     assert off.max() <= whole["max"] < 1.3 * off.max()
 
 
+@pytest.mark.longer
 def test_what_lies_beyond_the_points_is_counted_apart():
     frame, true_map = calibrated(margin=70)
     geometry = Geometry(*SIZE, *SIZE)

@@ -82,6 +82,7 @@ def cylinder():
     return np.ones((ROWS, 1)) * (np.arange(COLUMNS) - 14.5)**2 / 160
 
 
+@pytest.mark.longer
 def test_a_page_bent_round_a_cylinder_is_warned_of():
     points, _ = page(cylinder())
     assert uneven(points, ideal_frame(points))

@@ -198,7 +198,7 @@ GIVEN_UP = {"circles/circle_regular/*.jpg": 1}
 @pytest.mark.parametrize("pattern,target,count", [
     ("chessboard_wide/GOPR00[35]*.jpg", "chessboard:8x6", 48),
     pytest.param("opencv/left0[1-6].jpg", "chessboard:9x6", 54, marks=pytest.mark.longer),
-    ("fisheye/1*.jpg", "chessboard:6x4", 24),
+    pytest.param("fisheye/1*.jpg", "chessboard:6x4", 24, marks=pytest.mark.longer),
     pytest.param("circles/circle_regular/*.jpg", "circles:10x8", 80, marks=pytest.mark.longer),
     pytest.param("circles/circle_hexagonal/*.jpg", "acircles:14x24", 336,
                  marks=pytest.mark.longer)])
@@ -240,6 +240,7 @@ def test_overlay_draws_on_the_points():
     assert np.ptp(drawn[5, 5].astype(int)) == 0                   # and none elsewhere
 
 
+@pytest.mark.longer
 def test_one_photo_is_in_memory():
     """A photo is read again only where OpenCV looks for a size that all photos together give."""
     board = cv2.GaussianBlur(chessboard(9, 6, step=20)[0], (0, 0), 1)
