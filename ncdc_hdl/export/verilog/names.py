@@ -100,14 +100,16 @@ def rename(module, members):
 def _plain_names(module, members):
     """New names of wires and memories, and of instances, by their old ones; the wires in order:
     ports first, clock and reset before the members of the signature."""
-    taken, names, instances = set(), {}, {}
+    taken, counts, names, instances = set(), {}, {}, {}
 
     def free(base, separator="_"):
-        new, count = base if separator else f"{base}1", 1
+        count = counts.get((base, separator), 1)     # names with a lower number are taken
+        new = base if separator and count == 1 else f"{base}{separator}{count}"
         while new in taken:
             count += 1
             new = f"{base}{separator}{count}"
         taken.add(new)
+        counts[base, separator] = count
         return new
 
     def order(name):
