@@ -2,6 +2,7 @@
 
 import argparse
 import json
+from functools import cache
 from types import SimpleNamespace
 
 import numpy as np
@@ -14,6 +15,12 @@ from ncdc_bench.truth.render import photograph
 from ncdc_model.calibration.frame import ideal_frame
 from ncdc_model.calibration.quality import uneven
 from ncdc_model.lens import rotation
+
+
+@cache
+def detected(name):
+    """What is found on one photo by a lens, and how much of what it shows."""
+    return detect(LENSES[name], 1)
 
 
 def report_of(capsys, *words):
@@ -44,14 +51,14 @@ def test_the_photo_shows_the_dots_where_the_truth_says():
 @pytest.mark.longer
 @pytest.mark.parametrize("name", [name for name in LENSES if "equidistant" in name])
 def test_nearly_all_dots_of_a_clean_page_are_used(name):
-    _, (dots,) = detect(LENSES[name], 1)
+    _, (dots,) = detected(name)
     assert dots.used >= 0.97 * dots.visible and not dots.false
 
 
 @pytest.mark.longer
 @pytest.mark.parametrize("name", LENSES)
 def test_a_flat_page_has_no_relief_and_only_bumps_are_warned_of(name):
-    points, _ = detect(LENSES[name], 1)
+    points, _ = detected(name)
     frame = ideal_frame(points)
     assert not frame.relief.any()
     assert len(uneven(points, frame)) == (name == "bumps")
