@@ -4,8 +4,10 @@ PYTHON ?= python3
 BIN    := .venv/bin
 STAMP  := .venv/installed
 DEV    := .venv/installed-dev
-# What `make dist` adds to the package; its place and route takes 10 to 30 minutes a seed.
+# What `make dist` adds to the package; its place and route takes 10 to 30 minutes.
 BITSTREAM ?= bitstream
+# pytest keeps its compiled tests: without them each of its processes compiles all of them.
+unexport PYTHONDONTWRITEBYTECODE
 
 .PHONY: help setup demo docs gui quick test longer regress types bitstream dist clean
 
@@ -62,7 +64,7 @@ bitstream: setup ## of a ULX3S without a camera, for the example's lens, into bu
 	$(BIN)/ncdc demo -o build/demo
 	$(BIN)/ncdc train build/demo/points.json --neurons 8 --tansig table \
 		--interpolation gradient --size 640x480 -o build/ulx3s/net.toml
-	$(BIN)/ncdc build build/ulx3s/net.toml --board ulx3s --sensor pattern -o build/ulx3s
+	$(BIN)/ncdc build build/ulx3s/net.toml --board ulx3s --sensor pattern --seeds 1 -o build/ulx3s
 
 dist: $(DEV) $(BITSTREAM) ## wheel, sources, bitstream (BITSTREAM=: without), dist/contents.txt
 	rm -rf dist
