@@ -128,9 +128,10 @@ class System(wiring.Component):
         self._writes(m)
         values = page.values
         m.d.comb += [capture.clock.eq(self.sensor_clock),
-                     capture.pins.frame_valid.eq(self.sensor_frame_valid),
-                     capture.pins.line_valid.eq(self.sensor_line_valid),
-                     capture.pins.data.eq(self.sensor_data), capture.memory_rst.eq(self.memory_rst)]
+                     capture.camera.pins.frame_valid.eq(self.sensor_frame_valid),
+                     capture.camera.pins.line_valid.eq(self.sensor_line_valid),
+                     capture.camera.pins.data.eq(self.sensor_data),
+                     capture.memory_rst.eq(self.memory_rst)]
         self._settings(m, values)
         connect(m, control.corrector, corrector.run)
         if self.corrected is not None:

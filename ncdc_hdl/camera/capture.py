@@ -1,4 +1,4 @@
-"""A parallel sensor's frames, from its pins and its clock into buffers in memory."""
+"""A camera's frames, from a source of samples and its clock into buffers in memory."""
 
 from amaranth import *
 from amaranth.lib import wiring
@@ -8,9 +8,9 @@ from amaranth.lib.wiring import In, Out, connect, flipped
 
 from ncdc_hdl.avalon.burst_writer import BurstWriter, word_layout
 from ncdc_hdl.avalon.bus import WriteHost
+from ncdc_hdl.camera.camera_side import CameraSide
 from ncdc_hdl.camera.frame_writer import AREA, COUNTS, FrameWriter
-from ncdc_hdl.camera.layouts import ENTRY, GRID, PINS, SETTINGS, SIZE_BITS
-from ncdc_hdl.camera.sensor_port import SensorPort
+from ncdc_hdl.camera.layouts import ENTRY, GRID, SETTINGS, SIZE_BITS
 from ncdc_hdl.lib.gains import BALANCE, NO_BALANCE
 from ncdc_hdl.lib.relay import Relay
 from ncdc_hdl.lib.word_crossing import WordCrossing
@@ -19,10 +19,10 @@ __all__ = ["Capture"]
 
 
 class Capture(wiring.Component):
-    """Writes the frames of a sensor to memory, while it is enabled.
+    """Writes the frames of a camera to memory, while it is enabled.
 
     The sensor's clock, which may have any rate and stop at any time, has a domain of its own, with
-    :class:`SensorPort`. A queue of ``depth`` entries of four samples leads out of it. A reset
+    :class:`CameraSide`. A queue of ``depth`` entries of four samples leads out of it. A reset
     reaches it at once, and ends there with the second edge of its clock.
 
     Parameters
@@ -35,14 +35,15 @@ class Capture(wiring.Component):
         A power of two.
     pending : int
         As in :class:`BurstWriter`: rows and frames then wait for the memory's answers.
-    grid : int, optional
-        As in :class:`SensorPort`.
+    grid, source
+        As in :class:`CameraSide`. What is the domain ``sync`` of the source is the sensor's clock.
 
     Members
     -------
     clock : ``In(1)``
-        Clock of the sensor; its rising edge samples the pins.
-    pins : ``In(PINS)``
+        Clock of the sensor and of the source.
+    camera : ``Out``
+        As in :class:`CameraSide`: ``camera.pins`` of a parallel sensor.
     enable : ``In(1)``
         Frames that begin from now on are captured; one that is under way is captured to its end.
     settings : ``In(SETTINGS)``
@@ -61,11 +62,13 @@ class Capture(wiring.Component):
         As in :class:`BurstWriter`.
     bus : ``Out(WriteHost(data_width, burst, pending))``
     """
-    def __init__(self, data_width, *, burst, depth=512, pending=0, grid=None):
+    def __init__(self, data_width, *, burst, depth=512, pending=0, grid=None, source=None):
         self.data_width, self.burst, self.depth = data_width, burst, depth
         self.pending, self.row = pending, grid
+        self.side = CameraSide(source, grid)
         super().__init__({
-            "clock": In(1), "pins": In(PINS), "enable": In(1), "settings": In(SETTINGS),
+            "clock": In(1), "camera": Out(self.side.outside), "enable": In(1),
+            "settings": In(SETTINGS),
             **({} if grid is None else {"grid": In(GRID)}),
             "balance": In(BALANCE, init=NO_BALANCE), "active": Out(1),
             "area": In(AREA), "limit": In(32), "begins": Out(1), "ends": Out(1), "good": Out(1),
@@ -82,7 +85,7 @@ class Capture(wiring.Component):
         m.d.comb += [ClockSignal("camera").eq(self.clock),
                      ClockSignal("camera_queue").eq(self.clock)]
         m.submodules.reset = ResetSynchronizer(ResetSignal(), domain="camera")
-        m.submodules.port = port = DomainRenamer("camera")(SensorPort(self.row))
+        m.submodules.side = side = DomainRenamer("camera")(self.side)
         m.submodules.queue = queue = AsyncFIFOBuffered(
             width=ENTRY.size, depth=self.depth, r_domain="sync", w_domain="camera_queue")
         # Registers before the queue and after its block RAM.
@@ -92,26 +95,26 @@ class Capture(wiring.Component):
         m.submodules.words = words = Relay(word_layout(self.data_width))
         m.submodules.bursts = bursts = BurstWriter(self.data_width, burst=self.burst,
                                                      pending=self.pending)
-        m.submodules.enable = FFSynchronizer(self.enable, port.enable, o_domain="camera")
+        m.submodules.enable = FFSynchronizer(self.enable, side.enable, o_domain="camera")
         m.submodules.balance = balance = DomainRenamer({"there": "camera"})(
             WordCrossing(BALANCE, init=NO_BALANCE))
         # One register before it: a synchroniser must not see a glitch.
         active, active_there = Signal(), Signal()
-        m.d.camera += active.eq(port.active)
+        m.d.camera += active.eq(side.active)
         m.submodules.active = FFSynchronizer(active, active_there)
-        connect(m, flipped(self.pins), port.pins)
-        m.d.comb += [balance.i.eq(self.balance), port.balance.eq(balance.o)]
+        m.d.comb += [balance.i.eq(self.balance), side.balance.eq(balance.o)]
         if self.row is not None:
-            m.d.comb += port.grid.eq(self.grid)
+            m.d.comb += side.grid.eq(self.grid)
+        connect(m, side.camera, flipped(self.camera))
         connect(m, relay.o, writer.i)
         connect(m, writer.o, words.i)
         connect(m, words.o, bursts.i)
         connect(m, bursts.bus, flipped(self.bus))
         m.d.comb += [
             self.active.eq(self.enable | active_there),
-            port.settings.eq(self.settings),
-            entries.i.payload.eq(port.entry), entries.i.valid.eq(port.push),
-            port.space.eq(entries.i.ready), entries.o.ready.eq(queue.w_rdy),
+            side.settings.eq(self.settings),
+            entries.i.payload.eq(side.entry), entries.i.valid.eq(side.push),
+            side.space.eq(entries.i.ready), entries.o.ready.eq(queue.w_rdy),
             queue.w_data.eq(entries.o.payload), queue.w_en.eq(entries.o.valid),
             relay.i.payload.eq(queue.r_data), relay.i.valid.eq(queue.r_rdy),
             queue.r_en.eq(relay.i.ready), self.half_full.eq(queue.r_level >= self.depth // 2),

@@ -17,9 +17,11 @@ AREA = data.StructLayout({"base": ADDRESS_BITS, "limit": ADDRESS_BITS, "pitch": 
 """Byte address of a frame, of the end of its area, and bytes from row to row, multiples of a
 word; bytes of a row; rows."""
 
-COUNTS = data.StructLayout({"lines": 32, "cut": 32, "overflows": 32, "missed": 32, "stopped": 32})
+COUNTS = data.StructLayout({"lines": 32, "cut": 32, "overflows": 32, "missed": 32, "stopped": 32,
+                            "bad": 32})
 """Counts since the reset: rows of a wrong length, frames with a wrong number of rows, frames whose
-samples or beginning met a full queue, frames whose clock stopped."""
+samples or beginning met a full queue, frames whose clock stopped, frames that the source reported
+as bad."""
 
 
 class FrameWriter(wiring.Component):
@@ -103,7 +105,7 @@ class FrameWriter(wiring.Component):
                                  wrong.eq(wrong | ~as_long | in_rows & ~fits)]
                 # A frame interrupted by a reset has no end.
                 with m.If(i.valid & i.ready & frame_end | new | stopped):
-                    faults = Cat(report.rows, report.overflow, report.lines)
+                    faults = Cat(report.rows, report.overflow, report.bad, report.lines)
                     m.d.sync += clean.eq(frame_end & ~stopped & ~faults.any())
                     m.next = "CLOSE"
             with m.State("CLOSE"):
@@ -188,6 +190,7 @@ class FrameWriter(wiring.Component):
                 counts.lines.eq(counts.lines + report.lines),
                 counts.cut.eq(counts.cut + report.rows),
                 counts.overflows.eq(counts.overflows + report.overflow),
+                counts.bad.eq(counts.bad + report.bad),
                 counts.missed.eq(counts.missed + (report.missed - missed)[:16]),
                 missed.eq(report.missed),
             ]

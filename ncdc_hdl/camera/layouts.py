@@ -47,7 +47,8 @@ ENTRY = data.StructLayout({"data": 8 * SAMPLES, "kind": Kind})
 REPORT = data.StructLayout({
     "rows": 1,                  # more or fewer rows than the sensor should send
     "overflow": 1,              # the queue was full
-    "lines": 14,                # rows of a wrong length; this many or more
+    "bad": 1,                   # the source found a fault, or gave no end
+    "lines": 13,                # rows of a wrong length; this many or more
     "missed": 16,               # earlier frames that were not captured at all, modulo 65536
 })
 

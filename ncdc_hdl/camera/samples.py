@@ -5,13 +5,18 @@ from amaranth.lib.wiring import Out
 
 from ncdc_spec.sensors.level import SAMPLE_BITS
 
-__all__ = ["samples"]
+__all__ = ["FRAME_GAP", "samples"]
+
+FRAME_GAP = 3
+"""Clocks between two frames: the last samples of a frame may leave two entries, then its end, and
+the beginning of the next one comes before its first samples."""
 
 
 def samples(count):
     """Signature of a stream of frames with up to ``count`` samples per clock, without ``ready``.
 
-    A source cannot be held up: a consumer counts what it cannot take.
+    A source cannot be held up: a consumer counts what it cannot take. With more than one sample
+    per clock at least :data:`FRAME_GAP` clocks without samples lie between two frames.
 
     - ``valid``: one bit per sample. A row begins with sample 0. Only the last clock of a row may
       have fewer than ``count`` samples, and then has the lower ones.

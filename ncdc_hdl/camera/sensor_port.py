@@ -1,23 +1,25 @@
-"""From a parallel sensor's pins to entries of a queue, in the sensor's clock domain."""
+"""From a stream of samples to entries of a queue, in the sensor's clock domain."""
 
 from amaranth import *
 from amaranth.lib import wiring
 from amaranth.lib.wiring import In, Out
+from amaranth.utils import exact_log2
 
+from ncdc_hdl.camera.entry_packer import EntryPacker
 from ncdc_hdl.camera.grid import Grid
 from ncdc_hdl.camera.layouts import (
     ENTRY,
     GRID,
-    PINS,
     REPORT,
-    SAMPLES,
     SETTINGS,
     SIZE_BITS,
     Kind,
 )
 from ncdc_hdl.camera.level import Level
+from ncdc_hdl.camera.samples import samples
 from ncdc_hdl.lib.gains import BALANCE, NO_BALANCE, gain_of
 from ncdc_hdl.lib.pipeline import delay, register
+from ncdc_spec.errors import InputError
 
 __all__ = ["SensorPort"]
 
@@ -25,12 +27,12 @@ __all__ = ["SensorPort"]
 class SensorPort(wiring.Component):
     """Captures the window of each frame that begins while it is enabled.
 
-    A sample counts in each clock with both valid signals high. Every frame that begins is ended by
-    an entry with its REPORT, with each fault. Faults are a row that is too short or too long, too
-    few or too many of them, a full queue. After a full queue the frame's samples are
-    dropped. Its end waits for space, and a frame that begins before there is space is missed and
-    counted. Each row outside of the window leaves an entry without samples, which shows that the
-    sensor's clock runs.
+    Every frame that begins is ended by an entry with its REPORT, with each fault. Faults are a row
+    that is too short or too long, too few or too many of them, a full queue, and what the source
+    reports. After a full queue the frame's samples are dropped. Its end waits for space, and a
+    frame that begins before there is space is missed and counted. So is one that begins before
+    the end of another one, which is bad then. Each row outside of the window leaves an entry
+    without samples, which shows that the sensor's clock runs.
 
     With ``grid`` the window refers to the result of :func:`ncdc_spec.sensors.grid.gridded`;
     faults are those of the sensor's rows, as without ``grid``. A row longer than ``grid``
@@ -38,12 +40,14 @@ class SensorPort(wiring.Component):
 
     Parameters
     ----------
+    count : int
+        Samples per clock: 1, 2 or 4.
     grid : int, optional
         Samples of the longest row that a sensor sends; by default samples are not moved.
 
     Members
     -------
-    pins : ``In(PINS)``
+    i : ``In(samples(count))``
     enable : ``In(1)``
     settings : ``In(SETTINGS)``
         Constant while ``active``.
@@ -57,10 +61,17 @@ class SensorPort(wiring.Component):
         Entry for the queue; it is written while ``push`` is high.
     space : ``In(1)``
         The queue takes an entry.
+
+    Raises
+    ------
+    InputError
+        If there is a grid, and more than one sample per clock.
     """
-    def __init__(self, grid=None):
-        self.row = grid
-        super().__init__({"pins": In(PINS), "enable": In(1), "settings": In(SETTINGS),
+    def __init__(self, count=1, grid=None):
+        if grid is not None and count != 1:
+            raise InputError(f"the grid stage takes 1 sample per clock, the camera has {count}")
+        self.count, self.row = count, grid
+        super().__init__({"i": In(samples(count)), "enable": In(1), "settings": In(SETTINGS),
                           **({} if grid is None else {"grid": In(GRID)}),
                           "balance": In(BALANCE, init=NO_BALANCE), "active": Out(1),
                           "entry": Out(ENTRY), "push": Out(1), "space": In(1)})
@@ -68,82 +79,96 @@ class SensorPort(wiring.Component):
     def elaborate(self, platform):
         m = Module()
         settings = self.settings
-        # Pins have registers; a sample counts if both are valid.
-        frame = register(m, "frame", self.pins.frame_valid, reset_less=False)
-        line = register(m, "line", self.pins.line_valid & self.pins.frame_valid, reset_less=False)
-        sample = register(m, "sample", self.pins.data)
-        # A frame under way at the end of a reset is ignored.
-        known = register(m, "known", Const(1), reset_less=False)
-        enable, even = self.enable, None
+        now = self._frames(m)
+        enable = self.enable
         if self.row is not None:
-            even = self._even(m, frame, line, sample)
-            # Control signals get the same delay. A frame whose first samples came before `enable`,
-            # when settings could change, is ignored.
-            enable &= delay(m, enable, Grid.latency + 1 + Level.latency, "enable",
+            now, sample, shown, row_end = self._even(m, now)
+            # A frame whose first samples came before `enable`, when settings could change, is
+            # ignored.
+            enable &= delay(m, enable, Grid.latency + 2 + Level.latency, "enable",
                             reset_less=False)
-            frame, line, known = (delay(m, value, Grid.latency, name, reset_less=False)
-                                  for name, value in (("frame", frame), ("line", line),
-                                                      ("known", known)))
-            sample = even.sample
-        frame_before = register(m, "frame_before", frame, reset_less=False)
-        line_before = register(m, "line_before", line, reset_less=False)
-        begins, ends, row_ends = Signal(), Signal(), Signal()
-        m.d.comb += [begins.eq(frame & ~frame_before & register(m, "was_known", known,
-                                                                reset_less=False)),
-                     ends.eq(~frame & frame_before), row_ends.eq(~line & line_before)]
-
-        sent_x, sent_y = x, y = self._position(m, frame, line, row_ends)
-        ended = register(m, "ended", row_ends, reset_less=False)
-        if even is not None:
-            # Position in the binned frame.
-            x, y = (Mux(self.grid.binning, Cat(value[0] & value[1], value[2:]), value)
-                    for value in (x, y))
-        inside, row_last, outside = self._window(m, x, y, line, ended, even)
-
-        # Bytes, and the control signals of their clock.
-        m.submodules.level = level = Level()
-        m.d.comb += [level.level.eq(settings.level), level.gain.eq(self._gain(m, x, y, frame)),
-                     level.i.eq(delay(m, sample, 1, "sample"))]
-        later = {name: delay(m, signal, level.latency, name, reset_less=False)
-                 for name, signal in (("inside", inside), ("row_last", row_last),
-                                      ("outside", outside))}
-        later |= {name: delay(m, signal, 1 + level.latency, name, reset_less=False)
-                  for name, signal in (("begins", begins), ("ends", ends))}
-        wrong = sent_x != settings.sent_width
+        else:
+            sample, shown, row_end = self.i.sample, now["valid"], now["last"]
+        group, y = self._position(m, now)
+        later = {"wrong_line": delay(m, now["last"] & self._wrong_length(m, group, now["valid"]),
+                                     1 + Level.latency, "wrong_line", reset_less=False),
+                 "wrong_rows": delay(m, y + now["last"] != settings.sent_height,
+                                     1 + Level.latency, "wrong_rows")}
+        # With more samples per clock an entry may be complete with a frame's first ones: its
+        # beginning comes a clock earlier.
+        early = int(self.count > 1)
+        later |= {name: delay(m, now[name], 1 + Level.latency - (early if name == "begins" else 0),
+                              name, reset_less=False)
+                  for name in ("begins", "lost", "end", "bad")}
         if self.row is not None:
-            wrong |= (sent_x > self.row) & self.grid.as_value().any()
-        wrong_length = register(m, "wrong_length", wrong)
-        wrong_line = delay(m, ended & wrong_length, level.latency, "wrong_line", reset_less=False)
-        rows = sent_y + row_ends
-        wrong_rows = delay(m, rows != settings.sent_height, 1 + level.latency, "wrong_rows")
-        self._entries(m, level.o, later, enable, wrong_line, wrong_rows)
+            # Position in the binned frame.
+            group, y = (Mux(self.grid.binning, Cat(value[0] & value[1], value[2:]), value)
+                        for value in (group, y))
+        x = [Cat(Const(k, exact_log2(self.count)), group) for k in range(self.count)]
+        window = self._window(m, x, y, shown, row_end, now["last"])
+        later |= {name: delay(m, signal, Level.latency, name, reset_less=False)
+                  for name, signal in window.items()}
+        levelled = []
+        for k, gain in enumerate(self._gains(m, x, y, now["frame"])):
+            m.submodules[f"level{k}"] = level = Level()
+            m.d.comb += [level.level.eq(settings.level), level.gain.eq(gain),
+                         level.i.eq(register(m, f"sample{k}", sample[k]))]
+            levelled.append(level.o)
+        self._entries(m, levelled, later, enable)
         return m
 
-    @staticmethod
-    def _position(m, frame, line, row_ends):
-        """Column and row of the sample among those sent; counters stop at their largest value."""
-        x, y = Signal(SIZE_BITS), Signal(SIZE_BITS)
-        with m.If(line):
-            m.d.sync += x.eq(x + ~x.all())
-        with m.Else():
-            m.d.sync += x.eq(0)
-        # Before the frame begins: its first sample may come at once.
-        with m.If(~frame):
-            m.d.sync += y.eq(0)
-        with m.Elif(row_ends):
-            m.d.sync += y.eq(y + ~y.all())
-        return x, y
+    def _frames(self, m):
+        """What happens in a clock: the samples of ``i`` that are valid, the last ones of a row; a
+        frame is there, begins, begins before the end of another one, ends, is bad."""
+        i, under_way = self.i, Signal()
+        with m.If(i.end):
+            m.d.sync += under_way.eq(0)
+        with m.Elif(i.first):
+            m.d.sync += under_way.eq(1)
+        return {"valid": i.valid, "last": i.last, "frame": i.first | under_way,
+                "begins": i.first & ~under_way, "lost": i.first & under_way,
+                "end": i.end, "bad": i.bad}
 
-    def _even(self, m, frame, line, sample):
-        """The samples after the grid stage."""
+    def _even(self, m, now):
+        """Signals of :meth:`_frames` after the grid stage; its samples, those that are valid, and
+        that a row of them ends."""
         m.submodules.grid = grid = Grid(self.row)
-        before = register(m, "line_sent", line, reset_less=False)
-        m.d.comb += [grid.settings.eq(self.grid), grid.i.frame.eq(frame), grid.i.valid.eq(line),
-                     grid.i.row_end.eq(before & ~line), grid.i.sample.eq(sample)]
-        return grid.o
+        # Ends of rows follow the samples by a clock.
+        m.d.comb += [grid.settings.eq(self.grid), grid.i.frame.eq(now["frame"]),
+                     grid.i.valid.eq(now["valid"]), grid.i.sample.eq(self.i.sample[0]),
+                     grid.i.row_end.eq(register(m, "row_ends", now["last"], reset_less=False))]
+        now = {name: delay(m, value, Grid.latency + 1, name, reset_less=False)
+               for name, value in now.items()}
+        return (now, [register(m, "even_sample", grid.o.sample)],
+                register(m, "even_valid", grid.o.valid, reset_less=False), grid.o.row_end)
 
-    def _gain(self, m, x, y, frame):
-        """The gain of the sample of the clock before, at this position.
+    def _position(self, m, now):
+        """Number of the clock of the row, and of the row, among those sent; counters stop at
+        their largest value."""
+        group, y = Signal(SIZE_BITS - exact_log2(self.count)), Signal(SIZE_BITS)
+        with m.If(now["last"] | now["end"]):
+            m.d.sync += group.eq(0)
+        with m.Elif(now["valid"].any()):
+            m.d.sync += group.eq(group + ~group.all())
+        with m.If(now["end"]):
+            m.d.sync += y.eq(0)
+        with m.Elif(now["last"]):
+            m.d.sync += y.eq(y + ~y.all())
+        return group, y
+
+    def _wrong_length(self, m, group, valid):
+        """A row that ends with the samples of this clock has a wrong length."""
+        part = exact_log2(self.count)
+        end = register(m, "row_length", self.settings.sent_width - 1, SIZE_BITS)
+        wrong = group != end[part:]
+        if part:
+            wrong |= valid != Cat(end[:part] >= k for k in range(self.count))
+        if self.row is not None:
+            wrong |= (group >= self.row) & self.grid.as_value().any()
+        return wrong
+
+    def _gains(self, m, x, y, frame):
+        """The gain of each sample of the clock before, by its position.
 
         An evened frame begins in the third column and row, which does not change the colours.
         """
@@ -151,92 +176,88 @@ class SensorPort(wiring.Component):
         # Loaded between two frames. A frame's last sample still reads it a clock later.
         with m.If(~frame):
             m.d.sync += balance.eq(self.balance)
-        red_column, red_row = (
-            register(m, f"red_{name}", ~(position[0] ^ corner[0] ^ balance.phase[k]))
-            for k, (name, position, corner) in enumerate((("column", x, settings.left),
-                                                          ("row", y, settings.top))))
-        return gain_of(balance, red_column, red_row)
+        red_row = register(m, "red_row", ~(y[0] ^ settings.top[0] ^ balance.phase[1]))
+        return [gain_of(balance, register(
+            m, f"red_column{k}", ~(column[0] ^ settings.left[0] ^ balance.phase[0])), red_row)
+            for k, column in enumerate(x)]
 
-    def _window(self, m, x, y, line, ended, even):
-        """(The sample is in the window; a row of the window ends with it or after
-        it, a clock later; a row of the sensor has ended outside of the window)."""
-        settings, sent_ended = self.settings, ended
+    def _window(self, m, x, y, shown, row_end, last):
+        """Signals of the clock before: the samples in the window; a row of the window ends with
+        them or before them; a row of the sensor has ended outside of the window."""
+        settings, part = self.settings, exact_log2(self.count)
         left, top = settings.left, settings.top
-        if even is not None:
-            line = even.valid
+        if self.row is not None:
             # An evened frame begins in the third column and row.
-            ended = register(m, "even_ended", even.row_end, reset_less=False)
             begin = Mux(self.grid.weight.any(), 2, 0)
             left, top = register(m, "left", left + begin), register(m, "top", top + begin)
         right = register(m, "right", left + settings.width - 1)
         bottom = register(m, "bottom", top + settings.height)
         # Comparisons in one clock, their AND in the next.
         in_rows = register(m, "in_rows", (y >= top) & (y < bottom))
-        beyond_left = register(m, "beyond_left", x >= left)
-        before_end = register(m, "before_end", x <= right)
-        at_end = register(m, "at_end", x == right)
-        sent = register(m, "sent", line, reset_less=False)
-        inside, row_last, outside = Signal(), Signal(), Signal()
-        m.d.comb += [inside.eq(sent & in_rows & beyond_left & before_end),
-                     # A row of the window may end before its last sample.
-                     row_last.eq(in_rows & (sent & at_end | ended & before_end)),
-                     outside.eq(sent_ended & ~in_rows)]
-        return inside, row_last, outside
+        beyond_left, before_end = (
+            register(m, name, Cat(inside(column) for column in x))
+            for name, inside in (("beyond_left", lambda column: column >= left),
+                                 ("before_end", lambda column: column <= right)))
+        at_end = register(m, "at_end", x[0][part:] == right[part:])
+        sent = register(m, "sent", shown, reset_less=False)
+        ended, sent_ended = (register(m, name, value, reset_less=False)
+                             for name, value in (("ended", row_end), ("sent_ended", last)))
+        return {"inside": sent & beyond_left & before_end & in_rows.replicate(self.count),
+                # A row of the window may end before its last sample.
+                "closes": in_rows & (sent.any() & at_end | ended & before_end[0]),
+                "outside": sent_ended & ~in_rows}
 
-    def _entries(self, m, byte, now, enable, wrong_line, wrong_rows):
+    def _entries(self, m, levelled, now, enable):
         """Collect bytes, push entries, and record faults."""
         capturing = Signal()            # a frame is under way whose BEGIN is in the queue
         full = Signal()                 # the queue was full in this frame
         owed = Signal()                 # the END of a frame waits for space
-        report, lines, missed = Signal(REPORT), Signal(14), Signal(16)
-        gathered = Signal(8 * (SAMPLES - 1))
-        count = Signal(range(SAMPLES))  # bytes gathered
-        taken = Signal()                # the byte is part of the frame
-        complete = Signal()             # an entry of samples is complete
+        report, lines, missed = Signal(REPORT), Signal(REPORT["lines"].shape), Signal(16)
         begin = Signal()
+        m.submodules.packer = packer = EntryPacker(self.count)
+        going = capturing & ~full
         m.d.comb += [
-            # The first sample may come in the clock in which the frame begins.
-            taken.eq(now["inside"] & (capturing & ~full | begin)),
-            complete.eq(capturing & ~full
-                        & (now["inside"] & (count == SAMPLES - 1) | now["row_last"])),
-            begin.eq(now["begins"] & enable & ~owed & self.space),
+            begin.eq(now["begins"] & enable & ~capturing & ~owed & self.space),
             self.active.eq(self.enable | capturing | owed),
+            packer.data.eq(Cat(levelled)), packer.clear.eq(begin), packer.taken.eq(self.space),
+            packer.turn.eq(self.settings.left[:exact_log2(self.count)]),
+            # The first sample may come in the clock in which the frame begins.
+            packer.inside.eq(now["inside"] & (going | begin).replicate(self.count)),
+            packer.closes.eq(now["closes"] & going),
         ]
-        with m.If(complete):
-            m.d.comb += [self.entry.kind.eq(Mux(now["row_last"], Kind.ROW_END, Kind.WORD)),
-                         self.push.eq(self.space)]
-            with m.Switch(count):
-                for k in range(SAMPLES):
-                    with m.Case(k):
-                        m.d.comb += self.entry.data.eq(Cat(gathered[:8 * k], byte))
-            m.d.sync += [count.eq(0), full.eq(~self.space)]
-        with m.Else():
-            with m.If(taken):
-                m.d.sync += [count.eq(count + 1),
-                             gathered.word_select(Mux(begin, 0, count), 8).eq(byte)]
-            with m.If(begin):
-                m.d.comb += [self.entry.kind.eq(Kind.BEGIN), self.push.eq(1)]
-            with m.Elif(owed):
-                m.d.comb += [self.entry.kind.eq(Kind.END), self.push.eq(self.space),
-                             self.entry.data.eq(report)]
-                with m.If(self.space):
-                    m.d.sync += owed.eq(0)
-            with m.Elif(now["outside"] & capturing & ~full):
-                # Its loss does no harm: some of them are enough.
-                m.d.comb += [self.entry.kind.eq(Kind.ALIVE), self.push.eq(self.space)]
-        with m.If(capturing & wrong_line):
-            m.d.sync += lines.eq(lines + ~lines.all())
-        with m.If(now["begins"] & enable):
-            # A row of one sample ends before there is a frame: the frame is bad.
-            m.d.sync += [capturing.eq(begin), full.eq(0), count.eq(taken),
-                         lines.eq(now["row_last"]),
-                         missed.eq(missed + ~begin)]
-        with m.Elif(now["ends"] & capturing):
+        with m.If(packer.valid):
+            m.d.comb += [self.entry.kind.eq(Mux(packer.row_end, Kind.ROW_END, Kind.WORD)),
+                         self.entry.data.eq(packer.o), self.push.eq(self.space)]
+            m.d.sync += full.eq(~self.space)
+        with m.Elif(begin):
+            m.d.comb += [self.entry.kind.eq(Kind.BEGIN), self.push.eq(1)]
+        with m.Elif(owed):
+            m.d.comb += [self.entry.kind.eq(Kind.END), self.push.eq(self.space),
+                         self.entry.data.eq(report)]
+            with m.If(self.space):
+                m.d.sync += owed.eq(0)
+        with m.Elif(now["outside"] & going):
+            # Its loss does no harm: some of them are enough.
+            m.d.comb += [self.entry.kind.eq(Kind.ALIVE), self.push.eq(self.space)]
+        overflow = self._overflow(full, packer.valid & ~self.space)
+        # A row of one sample ends before there is a frame: the frame is bad.
+        so_far = Mux(begin, now["closes"], lines)
+        counted = so_far + (now["wrong_line"] & ~so_far.all())
+        with m.If(begin):
+            m.d.sync += [capturing.eq(1), full.eq(0)]
+        with m.If(capturing | begin):
+            m.d.sync += lines.eq(counted)
+        with m.If((now["begins"] & ~begin | now["lost"]) & enable):
+            m.d.sync += missed.eq(missed + 1)
+        with m.If((now["end"] | now["lost"]) & (capturing | begin)):
             m.d.sync += [
-                capturing.eq(0), owed.eq(1), report.rows.eq(wrong_rows),
-                report.overflow.eq(self._overflow(full, complete & ~self.space)),
-                report.lines.eq(lines + (wrong_line & ~lines.all())), report.missed.eq(missed),
+                capturing.eq(0), owed.eq(1), report.rows.eq(now["wrong_rows"]),
+                report.overflow.eq(overflow), report.lines.eq(counted),
+                report.missed.eq(missed), report.bad.eq(now["lost"] | now["bad"]),
             ]
+        with m.Elif(owed & packer.valid & ~self.space):
+            # The second entry of the last row is lost.
+            m.d.sync += report.overflow.eq(1)
 
     @staticmethod
     def _overflow(full, now):

@@ -2,7 +2,7 @@
 
 from amaranth.lib.wiring import Out
 
-__all__ = ["flat", "join", "ports_as"]
+__all__ = ["flat", "join", "members_of", "ports_as"]
 
 
 def flat(prefix, signature, flow):
@@ -28,4 +28,12 @@ def ports_as(component, prefix, signature):
     interface = signature.create()
     for name in signature.members:
         setattr(interface, name, getattr(component, f"{prefix}_{name}"))
+    return interface
+
+
+def members_of(component, signature):
+    """The members of ``component`` that ``signature`` has, as an interface, from outside."""
+    interface = signature.create()
+    for name in signature.members:
+        setattr(interface, name, getattr(component, name))
     return interface

@@ -77,7 +77,7 @@ def test_every_crossing_is_a_known_one(system, clocks):
     assert {(source, sink) for source, sink, *_ in SYNCHRONISERS} | RESETS | WORDS <= pairs
     settings = unknown(crossings, "")
     assert {c.source for c in settings} == {"page.values"}
-    assert all(c.sink.startswith("capture.port.") for c in settings)
+    assert all(c.sink.startswith("capture.side.port.") for c in settings)
     assert set().union(*(registers_in(system, c.bits) for c in settings)) == SETTINGS
 
 
@@ -106,7 +106,7 @@ def test_nothing_reads_what_has_logic_before_its_synchroniser(clocks):
 
 def crossings_of_capture():
     alone = capture.Capture(32, burst=4, depth=512)
-    pins = ("clock", *(f"pins__{name}" for name in ("frame_valid", "line_valid", "data")))
+    pins = ("clock", *(f"camera__pins__{name}" for name in ("frame_valid", "line_valid", "data")))
     netlist = rtlil.convert(alone, name="capture", emit_src=False)
     return Clocks(netlist, dict.fromkeys(pins, "clock")).crossings()
 
@@ -115,7 +115,7 @@ def test_a_crossing_without_a_synchroniser_is_found(monkeypatch):
     assert {c.source for c in unknown(crossings_of_capture(), "capture.")} == {"settings"}
     monkeypatch.setattr(capture, "FFSynchronizer", Wire)
     found = {(c.source, c.sink) for c in unknown(crossings_of_capture(), "capture.")}
-    assert ("enable", "port.capturing") in found and "active" in {sink for _, sink in found}
+    assert ("enable", "side.port.capturing") in found and "active" in {sink for _, sink in found}
 
 
 def test_logic_before_a_synchroniser_is_found(monkeypatch):

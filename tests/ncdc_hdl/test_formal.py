@@ -34,6 +34,7 @@ from ncdc_hdl.backend.cache.interlock import Interlock
 from ncdc_hdl.backend.cache.retire import Retire
 from ncdc_hdl.backend.cache.tags import Tags
 from ncdc_hdl.backend.packer import Packer
+from ncdc_hdl.camera.camera_side import CameraSide
 from ncdc_hdl.camera.frame_store import FrameStore
 from ncdc_hdl.camera.sensor_port import SensorPort
 from ncdc_spec.interpolation import GRADIENT
@@ -144,12 +145,18 @@ class Impatient(WriteArbiter):
         return Mux(held & ~self.urgent[0], owner, choice)
 
 
-class Forgetful(SensorPort):
+class ForgetfulPort(SensorPort):
     """Does not remember that the queue was full."""
 
     @staticmethod
     def _overflow(full, now):
         return now
+
+
+class Forgetful(CameraSide):
+    def __init__(self):
+        super().__init__()
+        self.port = ForgetfulPort()
 
 
 class ReadTooFar(ReadFence):
@@ -217,7 +224,7 @@ PROOFS = {
     "credits": (Credits, "prove", 2),
     "frames of two readers": (Store, "prove", 2),
     "bursts of two hosts": (Arbiter, "prove", 2),
-    "samples of a sensor": (Pins, "bmc", 33),
+    "samples of a sensor": (Pins, "bmc", 34),
     "fill space": (FillSpace, "prove", 2),
     "tokens": (Tokens, "prove", 2),
     "progress": (Progress, "prove", 11),

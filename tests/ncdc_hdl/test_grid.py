@@ -8,6 +8,7 @@ import pytest
 from cameras import barrel_descriptor
 from ncdc_hdl.camera.grid import Grid
 from ncdc_hdl.camera.moved import Moved
+from ncdc_hdl.camera.parallel_source import ParallelSource
 from ncdc_hdl.system import System
 from ncdc_spec.errors import InputError
 from ncdc_spec.geometry import MAX_SIZE
@@ -139,10 +140,11 @@ def test_a_frame_that_began_before_enable_is_not_captured():
     size, mode = (24, 12), (3, 1)
     frames = random_frames(size, 2)
     first = pins_of(frames[0], FAST)
-    for at in (0, 2, 7, Grid.latency + 4):
+    comes = ParallelSource.latency      # clock in which the port sees the first sample
+    for at in (0, comes, comes + 1, 7, Grid.latency + 4):
         port = Port(size, grid_size(size, *mode), (0, 0), mode)
         found = port.run([*first, *pins_of(frames[1], FAST)], [(at, "enable", 1)], enable=0)
-        wanted = [whole(port, frame) for frame in frames[at > 0:]]
+        wanted = [whole(port, frame) for frame in frames[at > comes:]]
         assert [rows for rows, _ in found] == wanted, at
 
 

@@ -12,11 +12,11 @@ from ncdc_boards.sdram.controller import SdramController
 from ncdc_hdl.backend.cache.cache import Cache
 from ncdc_hdl.backend.colour import Colour
 from ncdc_hdl.backend.interpolator import Interpolator
+from ncdc_hdl.camera.camera_side import CameraSide
 from ncdc_hdl.camera.csi2.fault_counters import FaultCounters
 from ncdc_hdl.camera.csi2.receiver import Receiver
 from ncdc_hdl.camera.frame_store import FrameStore
 from ncdc_hdl.camera.i2c import I2cController
-from ncdc_hdl.camera.sensor_port import SensorPort
 from ncdc_hdl.corrector import Corrector
 from ncdc_hdl.frontend.backmap import BackMap
 from ncdc_hdl.frontend.between import NodesToCoordinates
@@ -137,9 +137,9 @@ BLOCKS = {
     "camera": {"capture, store, I2C": lambda bits: CameraBlocks(_DATA_WIDTH, 16, 3, 512),
                "with a queue of 32": lambda bits: CameraBlocks(_DATA_WIDTH, 16, 3, 32),
                "frame store": lambda bits: FrameStore(3), "I2C": lambda bits: I2cController(),
-               "sensor port": lambda bits: SensorPort(),
-               "sensor port, grid of 648": lambda bits: SensorPort(648),
-               "sensor port, grid of 1296": lambda bits: SensorPort(1296)},
+               "sensor port": lambda bits: CameraSide(),
+               "sensor port, grid of 648": lambda bits: CameraSide(grid=648),
+               "sensor port, grid of 1296": lambda bits: CameraSide(grid=1296)},
     "CSI-2": {"receiver, 1 lane": lambda bits: Receiver(1),
               "receiver, 2 lanes": lambda bits: Receiver(2),
               "receiver, 4 lanes": lambda bits: Receiver(4),

@@ -48,8 +48,9 @@ class Sensor:
     async def tick(self, frame=0, line=0, sample=None):
         """One clock with these signals; without a sample the data are random."""
         dut = self.dut
-        dut.pins__frame_valid.value, dut.pins__line_valid.value = frame, line
-        dut.pins__data.value = self.rng.getrandbits(12) if sample is None else int(sample)
+        dut.camera__pins__frame_valid.value = frame
+        dut.camera__pins__line_valid.value = line
+        dut.camera__pins__data.value = self.rng.getrandbits(12) if sample is None else int(sample)
         await Timer(self.half, "ps")
         dut.clock.value = 1
         await Timer(self.half, "ps")
@@ -165,8 +166,8 @@ async def begin(dut, black=0, curve=LINEAR, enable=1):
     s, (width, height) = settings(), sent()
     stage = {} if not grid() else {
         "grid": pack(GRID, dict(zip(("weight", "binning"), grid())))}
-    await start(dut, memory_rst=0, limit=limit(), enable=0, pins__frame_valid=0, pins__line_valid=0,
-                **stage, balance=pack(BALANCE, NO_BALANCE), settings=pack(SETTINGS, {
+    await start(dut, memory_rst=0, limit=limit(), enable=0, camera__pins__frame_valid=0,
+                camera__pins__line_valid=0, **stage, balance=pack(BALANCE, NO_BALANCE), settings=pack(SETTINGS, {
                     "sent_width": width, "sent_height": height, "left": CORNER[0],
                     "top": CORNER[1], "width": WINDOW[0], "height": WINDOW[1],
                     "level": {"black": black, "curve": list(curve)}}))

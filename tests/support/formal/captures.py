@@ -6,14 +6,14 @@ from amaranth.lib.wiring import In
 
 from formal.properties import always, constant, given, reached
 from formal.wrapper import Wrapper
+from ncdc_hdl.camera.camera_side import CameraSide
 from ncdc_hdl.camera.layouts import REPORT, Kind
-from ncdc_hdl.camera.sensor_port import SensorPort
 
 __all__ = ["Pins"]
 
 
 class Pins(Wrapper):
-    """``SensorPort`` with any pins and a queue that is full at any time.
+    """``SensorPort`` of a parallel sensor with any pins and a queue that is full at any time.
 
     A monitor counts the bytes in the entries that the queue took between the BEGIN and the END of a
     frame. Asserts that a frame whose report is clean has every byte of its window, in as many rows;
@@ -22,7 +22,7 @@ class Pins(Wrapper):
 
     WIDTH, HEIGHT = 5, 2        # of the window, the sensor sends no more
 
-    def __init__(self, kind=SensorPort):
+    def __init__(self, kind=CameraSide):
         self.dut = kind()
         super().__init__({"frame": In(1), "line": In(1), "space": In(1), "enable": In(1)})
 
@@ -32,7 +32,7 @@ class Pins(Wrapper):
         self.design(m, dut)
         settings = dut.settings
         m.d.comb += [
-            dut.pins.frame_valid.eq(self.frame), dut.pins.line_valid.eq(self.line),
+            dut.camera.pins.frame_valid.eq(self.frame), dut.camera.pins.line_valid.eq(self.line),
             dut.space.eq(self.space), dut.enable.eq(self.enable),
             settings.sent_width.eq(self.WIDTH), settings.sent_height.eq(self.HEIGHT),
             settings.width.eq(self.WIDTH), settings.height.eq(self.HEIGHT),
@@ -54,7 +54,7 @@ class Pins(Wrapper):
                 with m.Case(Kind.END):
                     m.d.sync += inside.eq(0)
         ends = pushed & (entry.kind == Kind.END)
-        clean = ~Cat(report.rows, report.overflow, report.lines).any()
+        clean = ~Cat(report.rows, report.overflow, report.bad, report.lines).any()
         entries = -(-self.WIDTH // 4) * self.HEIGHT
         always(m, ~(ends & clean) | (words == entries) & (rows == self.HEIGHT), "nothing_lost")
         always(m, ~pushed | (inside == (entry.kind != Kind.BEGIN)), "in_order")

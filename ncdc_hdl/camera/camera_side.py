@@ -1,0 +1,54 @@
+"""What lies in the sensor's clock: a source of samples, and the port that captures them."""
+
+from amaranth import *
+from amaranth.lib import wiring
+from amaranth.lib.wiring import Out, connect, flipped
+
+from ncdc_hdl.camera.parallel_source import ParallelSource
+from ncdc_hdl.camera.sensor_port import SensorPort
+from ncdc_hdl.lib.ports import members_of
+
+__all__ = ["CameraSide"]
+
+_CONNECTED = ("o", "height")        # of the source, with the port
+
+
+class CameraSide(wiring.Component):
+    """A source, and the :class:`SensorPort` that takes its samples.
+
+    Parameters
+    ----------
+    source : wiring.Component, optional
+        Its output ``o`` is of :func:`ncdc_hdl.camera.samples.samples`. If it has an input
+        ``height``, this is ``sent_height`` of the settings. By default a :class:`ParallelSource`.
+    grid : int, optional
+        As in :class:`SensorPort`.
+
+    Members
+    -------
+    camera : ``Out``
+        The source's other members: ``camera.pins`` of a parallel sensor.
+    enable, settings, grid, balance, active, entry, push, space
+        As in :class:`SensorPort`.
+    """
+
+    def __init__(self, source=None, grid=None):
+        self.source = ParallelSource() if source is None else source
+        self.port = SensorPort(len(self.source.o.valid), grid)
+        self.outside = wiring.Signature({
+            name: member for name, member in self.source.signature.members.items()
+            if name not in _CONNECTED})
+        self.passed = wiring.Signature({
+            name: member for name, member in self.port.signature.members.items() if name != "i"})
+        super().__init__({"camera": Out(self.outside), **self.passed.members})
+
+    def elaborate(self, platform):
+        m = Module()
+        m.submodules.source = source = self.source
+        m.submodules.port = port = self.port
+        connect(m, source.o, port.i)
+        connect(m, members_of(source, self.outside), flipped(self.camera))
+        connect(m, members_of(port, self.passed), flipped(members_of(self, self.passed)))
+        if "height" in source.signature.members:
+            m.d.comb += source.height.eq(self.settings.sent_height)
+        return m
