@@ -167,7 +167,8 @@ async def begin(dut, black=0, curve=LINEAR, enable=1):
     stage = {} if not grid() else {
         "grid": pack(GRID, dict(zip(("weight", "binning"), grid())))}
     await start(dut, memory_rst=0, limit=limit(), enable=0, camera__pins__frame_valid=0,
-                camera__pins__line_valid=0, **stage, balance=pack(BALANCE, NO_BALANCE), settings=pack(SETTINGS, {
+                camera__pins__line_valid=0, **stage, balance=pack(BALANCE, NO_BALANCE),
+                settings=pack(SETTINGS, {
                     "sent_width": width, "sent_height": height, "left": CORNER[0],
                     "top": CORNER[1], "width": WINDOW[0], "height": WINDOW[1],
                     "level": {"black": black, "curve": list(curve)}}))
