@@ -10,7 +10,7 @@ from ncdc_hdl.lib.ports import members_of
 
 __all__ = ["CameraSide"]
 
-_CONNECTED = ("o", "height")        # of the source, with the port
+_SIZES = {"width": "sent_width", "height": "sent_height"}       # inputs of sources, by setting
 
 
 class CameraSide(wiring.Component):
@@ -19,8 +19,9 @@ class CameraSide(wiring.Component):
     Parameters
     ----------
     source : wiring.Component, optional
-        Its output ``o`` is of :func:`ncdc_hdl.camera.samples.samples`. If it has an input
-        ``height``, this is ``sent_height`` of the settings. By default a :class:`ParallelSource`.
+        Its output ``o`` is of :func:`ncdc_hdl.camera.samples.samples`. Inputs ``width`` and
+        ``height``, if it has them, are those that the settings say that the sensor sends. An output
+        ``faults`` has bits that are high for a clock. By default a :class:`ParallelSource`.
     grid : int, optional
         As in :class:`SensorPort`.
 
@@ -28,6 +29,8 @@ class CameraSide(wiring.Component):
     -------
     camera : ``Out``
         The source's other members: ``camera.pins`` of a parallel sensor.
+    faults : ``Out``
+        Those of the source, if it has any.
     enable, settings, grid, balance, active, entry, push, space
         As in :class:`SensorPort`.
     """
@@ -37,10 +40,14 @@ class CameraSide(wiring.Component):
         self.port = SensorPort(len(self.source.o.valid), grid)
         self.outside = wiring.Signature({
             name: member for name, member in self.source.signature.members.items()
-            if name not in _CONNECTED})
+            if name not in ("o", "faults", *_SIZES)})
         self.passed = wiring.Signature({
             name: member for name, member in self.port.signature.members.items() if name != "i"})
-        super().__init__({"camera": Out(self.outside), **self.passed.members})
+        faults = self.source.signature.members.get("faults")
+        self.faults_layout = None if faults is None else faults.shape
+        super().__init__({
+            "camera": Out(self.outside), **self.passed.members,
+            **({"faults": Out(self.faults_layout)} if self.faults_layout else {})})
 
     def elaborate(self, platform):
         m = Module()
@@ -49,6 +56,9 @@ class CameraSide(wiring.Component):
         connect(m, source.o, port.i)
         connect(m, members_of(source, self.outside), flipped(self.camera))
         connect(m, members_of(port, self.passed), flipped(members_of(self, self.passed)))
-        if "height" in source.signature.members:
-            m.d.comb += source.height.eq(self.settings.sent_height)
+        for name, setting in _SIZES.items():
+            if name in source.signature.members:
+                m.d.comb += getattr(source, name).eq(self.settings[setting])
+        if self.faults_layout:
+            m.d.comb += self.faults.eq(source.faults)
         return m

@@ -9,6 +9,7 @@ from amaranth.lib.wiring import In, Out, connect, flipped
 from ncdc_hdl.avalon.burst_writer import BurstWriter, word_layout
 from ncdc_hdl.avalon.bus import WriteHost
 from ncdc_hdl.camera.camera_side import CameraSide
+from ncdc_hdl.camera.fault_counters import FaultCounters, counts_of
 from ncdc_hdl.camera.frame_writer import AREA, COUNTS, FrameWriter
 from ncdc_hdl.camera.layouts import ENTRY, GRID, SETTINGS, SIZE_BITS
 from ncdc_hdl.lib.gains import BALANCE, NO_BALANCE
@@ -44,6 +45,8 @@ class Capture(wiring.Component):
         Clock of the sensor and of the source.
     camera : ``Out``
         As in :class:`CameraSide`: ``camera.pins`` of a parallel sensor.
+    faults : ``Out``
+        Counts of the source's faults, see :class:`FaultCounters`; only if it has any.
     enable : ``In(1)``
         Frames that begin from now on are captured; one that is under way is captured to its end.
     settings : ``In(SETTINGS)``
@@ -66,7 +69,9 @@ class Capture(wiring.Component):
         self.data_width, self.burst, self.depth = data_width, burst, depth
         self.pending, self.row = pending, grid
         self.side = CameraSide(source, grid)
+        self.faults_layout = self.side.faults_layout
         super().__init__({
+            **({"faults": Out(counts_of(self.faults_layout))} if self.faults_layout else {}),
             "clock": In(1), "camera": Out(self.side.outside), "enable": In(1),
             "settings": In(SETTINGS),
             **({} if grid is None else {"grid": In(GRID)}),
@@ -105,6 +110,9 @@ class Capture(wiring.Component):
         m.d.comb += [balance.i.eq(self.balance), side.balance.eq(balance.o)]
         if self.row is not None:
             m.d.comb += side.grid.eq(self.grid)
+        if self.faults_layout:
+            m.submodules.faults = faults = FaultCounters(self.faults_layout)
+            m.d.comb += [faults.faults.eq(side.faults), self.faults.eq(faults.counts)]
         connect(m, side.camera, flipped(self.camera))
         connect(m, relay.o, writer.i)
         connect(m, writer.o, words.i)

@@ -9,7 +9,7 @@ from ncdc_spec.geometry import MAX_SIZE
 from ncdc_spec.sensors.level import SAMPLE_BITS
 
 __all__ = ["ENTRY", "GRID", "Kind", "PINS", "REPORT", "ROWS", "RUN", "RUN_BUFFERS", "SAMPLES",
-           "SETTINGS", "SIZE_BITS"]
+           "SETTINGS", "SIZE_BITS", "VIDEO_FAULTS", "VIP_FAULTS"]
 
 SIZE_BITS = MAX_SIZE.bit_length()
 SAMPLES = 4                             # samples of an entry
@@ -31,6 +31,16 @@ SETTINGS = data.StructLayout({
     "width": SIZE_BITS, "height": SIZE_BITS,
     "level": LEVEL,
 })
+
+
+VIDEO_FAULTS = data.StructLayout({
+    "short": 1,                 # a frame began before the last row of the one before had ended
+    "stray": 1,                 # a row, or a packet, outside of a frame
+})
+"""What may be wrong with a stream of video; each is high for a clock."""
+
+VIP_FAULTS = data.StructLayout({**dict(VIDEO_FAULTS.members), "size": 1})
+"""The same of packets with types: also a frame whose control packet has another size."""
 
 
 class Kind(enum.Enum, shape=3):

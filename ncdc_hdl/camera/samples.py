@@ -1,11 +1,12 @@
 """The stream of samples that each kind of camera gives."""
 
+from amaranth import Cat, Const
 from amaranth.lib import data, wiring
 from amaranth.lib.wiring import Out
 
 from ncdc_spec.sensors.level import SAMPLE_BITS
 
-__all__ = ["FRAME_GAP", "samples"]
+__all__ = ["FRAME_GAP", "samples", "upper"]
 
 FRAME_GAP = 3
 """Clocks between two frames: the last samples of a frame may leave two entries, then its end, and
@@ -30,3 +31,10 @@ def samples(count):
     return wiring.Signature({
         "valid": Out(count), "sample": Out(data.ArrayLayout(SAMPLE_BITS, count)),
         "first": Out(1), "last": Out(1), "end": Out(1), "bad": Out(1)})
+
+
+def upper(value):
+    """``value`` of 8 to 16 bits as a sample: its upper bits, or with zeros below."""
+    if len(value) > SAMPLE_BITS:
+        return value[-SAMPLE_BITS:]
+    return Cat(Const(0, SAMPLE_BITS - len(value)), value)

@@ -8,12 +8,12 @@ from amaranth import *
 from amaranth.sim import Simulator
 
 from ncdc_hdl.camera.csi2.checksum import Checksum
-from ncdc_hdl.camera.csi2.fault_counters import FAULT_COUNTS, FaultCounters
 from ncdc_hdl.camera.csi2.header import HeaderDecoder
 from ncdc_hdl.camera.csi2.lane_aligner import LaneAligner
 from ncdc_hdl.camera.csi2.layouts import FAULTS
 from ncdc_hdl.camera.csi2.receiver import Receiver
 from ncdc_hdl.camera.csi2.word_aligner import WordAligner
+from ncdc_hdl.camera.fault_counters import FaultCounters
 from ncdc_sim.csi2.packets import checksum, frame_packets
 from ncdc_spec.errors import InputError
 from ncdc_spec.sensors.csi2 import MAX_SKEW, SYNC_BYTE, DataType
@@ -221,7 +221,7 @@ def test_lanes_that_are_not_supported(lanes):
 @pytest.mark.parametrize("period", [1.7e-9, 1e-8, 9.3e-8])
 def test_faults_are_counted_in_the_core_clock(period):
     """Faults two core clocks apart and more; a reset of both sides counts nothing."""
-    dut, rng = FaultCounters(), np.random.default_rng(5)
+    dut, rng = FaultCounters(FAULTS), np.random.default_rng(5)
     reset, expected = Signal(), dict.fromkeys((name for name, _ in FAULTS), 0)
     simulator = Simulator(ResetInserter({"sync": reset, "camera": reset})(dut))
     simulator.add_clock(1e-8)
@@ -245,7 +245,7 @@ def test_faults_are_counted_in_the_core_clock(period):
                 for name, value in chosen.items():
                     expected[name] += value
         await ctx.tick().repeat(5)
-        assert {name: ctx.get(dut.counts[name]) for name, _ in FAULT_COUNTS} == expected
+        assert {name: ctx.get(dut.counts[name]) for name, _ in FAULTS} == expected
 
     simulator.add_testbench(bench)
     simulator.run()

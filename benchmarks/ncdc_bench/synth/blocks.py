@@ -13,8 +13,9 @@ from ncdc_hdl.backend.cache.cache import Cache
 from ncdc_hdl.backend.colour import Colour
 from ncdc_hdl.backend.interpolator import Interpolator
 from ncdc_hdl.camera.camera_side import CameraSide
-from ncdc_hdl.camera.csi2.fault_counters import FaultCounters
+from ncdc_hdl.camera.csi2.layouts import FAULTS
 from ncdc_hdl.camera.csi2.receiver import Receiver
+from ncdc_hdl.camera.fault_counters import FaultCounters
 from ncdc_hdl.camera.frame_store import FrameStore
 from ncdc_hdl.camera.i2c import I2cController
 from ncdc_hdl.corrector import Corrector
@@ -143,7 +144,7 @@ BLOCKS = {
     "CSI-2": {"receiver, 1 lane": lambda bits: Receiver(1),
               "receiver, 2 lanes": lambda bits: Receiver(2),
               "receiver, 4 lanes": lambda bits: Receiver(4),
-              "fault counters": lambda bits: FaultCounters("sync")},
+              "fault counters": lambda bits: FaultCounters(FAULTS, "sync")},
     "colour": {"gains and tone": lambda bits: Colour()},
     "SDRAM controller": {"16 bits": _sdram(ULX3S_32MB, 32),
                          "32 bits": _sdram(in_parallel(IS42S16320D_7, 2), 32),
