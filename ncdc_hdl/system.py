@@ -7,16 +7,17 @@ from amaranth.utils import exact_log2
 
 from ncdc_hdl.avalon.bus import PENDING, Agent, WriteHost
 from ncdc_hdl.avalon.write_arbiter import WriteArbiter
+from ncdc_hdl.camera.cameras import camera_ports, source_of
 from ncdc_hdl.camera.capture import Capture
 from ncdc_hdl.camera.frame_store import FrameStore
 from ncdc_hdl.camera.i2c import I2cController
-from ncdc_hdl.camera.layouts import PINS
 from ncdc_hdl.camera.readers import StoreReader
 from ncdc_hdl.camera.run_control import RunControl
 from ncdc_hdl.corrector import Corrector
 from ncdc_hdl.lib.ports import flat, join, ports_as
 from ncdc_hdl.registers.page import Page
 from ncdc_hdl.video.frame_reader import SCREEN
+from ncdc_spec.camera_port import CSI2, CameraPort
 from ncdc_spec.errors import InputError
 from ncdc_spec.geometry import MAX_SIZE
 from ncdc_spec.hardware import Hardware
@@ -54,12 +55,18 @@ class System(wiring.Component):
         Samples of the longest row that the sensor sends, from 8 on. Samples can be moved to
         an even Bayer grid as they come, see :class:`ncdc_hdl.camera.grid.Grid`; by default they are
         not moved.
+    camera : CameraPort
+        Kind of the camera, by default a parallel sensor.
 
     Members
     -------
     csr_* : Avalon-MM agent
-    sensor_clock, sensor_frame_valid, sensor_line_valid, sensor_data : ``In``
-        A parallel sensor's pins, see :class:`Capture`.
+    sensor_clock : ``In(1)``
+        Clock of the camera's ports.
+    sensor_* : of the camera
+        ``frame_valid``, ``line_valid`` and ``data`` of a parallel sensor; members of
+        :class:`AxisSource`, :class:`AvalonStSource`; ``lane0_data``, ``lane0_valid`` and
+        ``lane0_active``, and so on, of :class:`Receiver`.
     scl_low, sda_low, scl, sda : ``Out(1)``, ``In(1)``
         The I2C bus: pull the line low; the line.
     read0_*, read1_*, read2_* : Avalon-MM read hosts, of the corrector
@@ -76,10 +83,11 @@ class System(wiring.Component):
     ------
     InputError
         If there is a screen, and corrected pixels leave as a stream; if ``grid`` is out of its
-        range.
+        range, or the camera has more than one sample per clock.
     """
 
-    def __init__(self, descriptor, hardware=Hardware(), readers=2, screens=0, grid=None):
+    def __init__(self, descriptor, hardware=Hardware(), readers=2, screens=0, grid=None,
+                 camera=CameraPort()):
         if screens and hardware.stream:
             raise InputError("corrected pixels leave as a stream, a screen shows those in memory")
         if grid is not None and not GRID_ROW_MIN <= grid <= MAX_SIZE:
@@ -88,15 +96,15 @@ class System(wiring.Component):
         self.corrector = Corrector(descriptor, hardware, runs=True)
         self.descriptor, self.hardware = descriptor, self.corrector.hardware
         self.stores = stores_for(self.hardware, readers, screens)
-        self.grid = grid
-        self.table = system_registers(self.stores, grid)
+        self.grid, self.camera = grid, camera
+        self.table = system_registers(self.stores, grid, (camera.kind,))
         self.pending = PENDING if self.hardware.axi else 0
         self.capture = Capture(self.hardware.data_width, burst=_BURST, pending=self.pending,
-                               grid=grid)
+                               grid=grid, source=source_of(camera))
         self.raw = FrameStore(1 + readers, looks=2)
         self.corrected = None if self.hardware.stream else FrameStore(readers + screens)
         ports = flat("csr", Agent(SYSTEM_WORDS_BITS), In) | {"sensor_clock": In(1)}
-        ports |= flat("sensor", PINS, In)
+        ports |= {name: member for name, (member, _) in camera_ports(self.capture.camera).items()}
         ports |= {"scl_low": Out(1), "sda_low": Out(1), "scl": In(1), "sda": In(1)}
         ports |= {name: member for name, member in self.corrector.signature.members.items()
                   if name.startswith(("read", "stream_"))}
@@ -105,6 +113,11 @@ class System(wiring.Component):
             ports |= flat("screen", SCREEN, In)
             ports |= {"screen_shown": In(32), "screen_underruns": In(32)}
         super().__init__(ports | {"memory_rst": In(1), "irq": Out(1), "front_end_idle": Out(1)})
+
+    @property
+    def options(self):
+        """Options of ``ncdc generate`` for its camera."""
+        return self.camera.options
 
     def elaborate(self, platform):
         m = Module()
@@ -117,7 +130,7 @@ class System(wiring.Component):
         word_bits = exact_log2(self.hardware.data_width // 8)
         m.submodules.page = page = Page(
             self.table, SYSTEM_WORDS_BITS,
-            system_values(self.descriptor, self.hardware, self.stores), [*LOCKED, *bases],
+            system_values(self.descriptor, self.hardware, self.stores, self.camera), [*LOCKED, *bases],
             dict.fromkeys([*bases, "RAW_PITCH", "RAW_BYTES", "CORRECTED_BYTES"], word_bits))
         for name in self.signature.members:
             if name.startswith(("read", "stream_")) or name in ("memory_rst", "front_end_idle"):
@@ -127,11 +140,10 @@ class System(wiring.Component):
         self._bus(m, page)
         self._writes(m)
         values = page.values
-        m.d.comb += [capture.clock.eq(self.sensor_clock),
-                     capture.camera.pins.frame_valid.eq(self.sensor_frame_valid),
-                     capture.camera.pins.line_valid.eq(self.sensor_line_valid),
-                     capture.camera.pins.data.eq(self.sensor_data),
-                     capture.memory_rst.eq(self.memory_rst)]
+        m.d.comb += [capture.clock.eq(self.sensor_clock), capture.memory_rst.eq(self.memory_rst)]
+        for name, (member, signal) in camera_ports(capture.camera).items():
+            ours = getattr(self, name)
+            m.d.comb += ours.eq(signal) if member.flow is Out else signal.eq(ours)
         self._settings(m, values)
         connect(m, control.corrector, corrector.run)
         if self.corrected is not None:
@@ -193,6 +205,9 @@ class System(wiring.Component):
             capture.area.height.eq(values.WINDOW_HEIGHT),
             capture.area.base.eq(base), capture.area.limit.eq(base + values.RAW_BYTES),
         ]
+        if self.camera.kind == CSI2:
+            m.d.comb += [capture.camera.settings.channel.eq(values.CSI_CHANNEL),
+                         capture.camera.settings.type.eq(values.CSI_TYPE)]
         if self.grid is not None:
             m.d.comb += [capture.grid.weight.eq(values.GRID_WEIGHT),
                          capture.grid.binning.eq(values.GRID_BIN)]
@@ -279,6 +294,9 @@ class System(wiring.Component):
         shown = {
             "CAMERA_STATUS": Cat(capture.active, control.corrector.active, Const(0, 6), events),
             **({} if self.grid is None else {"GRID_ROW": self.grid}),
+            **({"SOURCE_FAULTS": capture.counts.bad} if self.camera.faults else {}),
+            **{register: capture.faults[name]
+               for name, register in self.camera.fault_registers.items()},
             "CAMERA_ROWS": capture.rows, "LINE_FAULTS": capture.counts.lines,
             "FRAMES_CUT": capture.counts.cut, "OVERFLOWS": capture.counts.overflows,
             "FRAMES_MISSED": capture.counts.missed, "CLOCK_STOPS": capture.counts.stopped,

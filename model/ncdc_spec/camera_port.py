@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from ncdc_spec.errors import InputError
 
 __all__ = ["AVALON_ST", "AXIS", "CSI2", "CameraPort", "FAULTS", "KINDS", "LANES", "PARALLEL",
-           "SAMPLE_BITS", "SAMPLES_PER_CLOCK", "VIP", "camera_port"]
+           "SAMPLE_BITS", "SAMPLES_PER_CLOCK", "VIP", "camera_port", "fault_registers"]
 
 KINDS = PARALLEL, AXIS, AVALON_ST, VIP, CSI2 = (
     "parallel", "axis", "avalon-st", "avalon-st:vip", "csi2")
@@ -47,6 +47,8 @@ class CameraPort:
     bits : int
         Bits of a sample of AXI4-Stream and Avalon-ST video, one of :data:`SAMPLE_BITS`. The others
         have 12: shorter ones are in the upper bits.
+    aligned : bool
+        The lanes of CSI-2 come from a PHY that aligns words.
 
     Raises
     ------
@@ -56,6 +58,7 @@ class CameraPort:
     kind: str = PARALLEL
     samples: int = 1
     bits: int = 12
+    aligned: bool = True
 
     def __post_init__(self):
         for what, value, known in (("kind of a camera", self.kind, KINDS),
@@ -77,9 +80,23 @@ class CameraPort:
         return tuple(FAULTS[self.kind])
 
     @property
-    def option(self):
-        """Value of the option ``--camera``."""
-        return f"{CSI2}:{self.samples}" if self.kind == CSI2 else self.kind
+    def fault_registers(self):
+        """Names of the registers that count them, by fault."""
+        return fault_registers(self.kind)
+
+    @property
+    def options(self):
+        """Options of ``ncdc generate`` for it."""
+        if self.kind in (PARALLEL, CSI2):
+            return [] if self.kind == PARALLEL else [f"--camera {CSI2}:{self.samples}"]
+        return [f"--camera {self.kind}", f"--samples-per-clock {self.samples}",
+                f"--sample-bits {self.bits}"]
+
+
+def fault_registers(kind):
+    """Names of the registers that count a camera's faults, by fault."""
+    prefix = "CSI" if kind == CSI2 else "VIDEO"
+    return {name: f"{prefix}_{name.upper()}" for name in FAULTS[kind]}
 
 
 def camera_port(text, samples=None, bits=None):

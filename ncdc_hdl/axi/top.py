@@ -12,8 +12,7 @@ from ncdc_hdl.lib.ports import flat, join, ports_as
 
 __all__ = ["AxiTop"]
 
-_PLAIN = ("irq", "camera_rows", "front_end_idle", "sensor_clock", "sensor_frame_valid",
-          "sensor_line_valid", "sensor_data", "scl_low", "sda_low", "scl", "sda")
+_PLAIN = ("irq", "camera_rows", "front_end_idle", "scl_low", "sda_low", "scl", "sda")
 
 
 class AxiTop(wiring.Component):
@@ -65,7 +64,8 @@ class AxiTop(wiring.Component):
             ports |= flat("m_axi_write", WritePort(width), Out)
         if self.hardware.stream:
             ports |= flat("m_axis", VideoStream(self.hardware.lanes), Out)
-        super().__init__(ports | {name: members[name] for name in _PLAIN if name in members})
+        self.plain = [name for name in members if name in _PLAIN or name.startswith("sensor_")]
+        super().__init__(ports | {name: members[name] for name in self.plain})
 
     def elaborate(self, platform):
         m = Module()
@@ -97,11 +97,10 @@ class AxiTop(wiring.Component):
         wiring.connect(m, registers.bus, ports_as(core, "csr", registers.bus.signature.flip()))
         if self.hardware.stream:
             self._stream(m)
-        for name in _PLAIN:
-            if name in self.signature.members:
-                ours, inner = getattr(self, name), getattr(core, name)
-                out = self.signature.members[name].flow is Out
-                m.d.comb += ours.eq(inner) if out else inner.eq(ours)
+        for name in self.plain:
+            ours, inner = getattr(self, name), getattr(core, name)
+            out = self.signature.members[name].flow is Out
+            m.d.comb += ours.eq(inner) if out else inner.eq(ours)
         return m
 
     def _attach(self, m, bridge, host, prefix, bus_rst):

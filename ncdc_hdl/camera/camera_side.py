@@ -2,11 +2,11 @@
 
 from amaranth import *
 from amaranth.lib import wiring
-from amaranth.lib.wiring import Out, connect, flipped
+from amaranth.lib.wiring import Out, connect
 
 from ncdc_hdl.camera.parallel_source import ParallelSource
 from ncdc_hdl.camera.sensor_port import SensorPort
-from ncdc_hdl.lib.ports import members_of
+from ncdc_hdl.lib.ports import forward
 
 __all__ = ["CameraSide"]
 
@@ -43,8 +43,8 @@ class CameraSide(wiring.Component):
             if name not in ("o", "faults", *_SIZES)})
         self.passed = wiring.Signature({
             name: member for name, member in self.port.signature.members.items() if name != "i"})
-        faults = self.source.signature.members.get("faults")
-        self.faults_layout = None if faults is None else faults.shape
+        members = self.source.signature.members
+        self.faults_layout = members["faults"].shape if "faults" in members else None
         super().__init__({
             "camera": Out(self.outside), **self.passed.members,
             **({"faults": Out(self.faults_layout)} if self.faults_layout else {})})
@@ -54,8 +54,8 @@ class CameraSide(wiring.Component):
         m.submodules.source = source = self.source
         m.submodules.port = port = self.port
         connect(m, source.o, port.i)
-        connect(m, members_of(source, self.outside), flipped(self.camera))
-        connect(m, members_of(port, self.passed), flipped(members_of(self, self.passed)))
+        forward(m, self.outside, self.camera, source)
+        forward(m, self.passed, self, port)
         for name, setting in _SIZES.items():
             if name in source.signature.members:
                 m.d.comb += getattr(source, name).eq(self.settings[setting])

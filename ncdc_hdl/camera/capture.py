@@ -13,6 +13,7 @@ from ncdc_hdl.camera.fault_counters import FaultCounters, counts_of
 from ncdc_hdl.camera.frame_writer import AREA, COUNTS, FrameWriter
 from ncdc_hdl.camera.layouts import ENTRY, GRID, SETTINGS, SIZE_BITS
 from ncdc_hdl.lib.gains import BALANCE, NO_BALANCE
+from ncdc_hdl.lib.ports import forward
 from ncdc_hdl.lib.relay import Relay
 from ncdc_hdl.lib.word_crossing import WordCrossing
 
@@ -113,7 +114,7 @@ class Capture(wiring.Component):
         if self.faults_layout:
             m.submodules.faults = faults = FaultCounters(self.faults_layout)
             m.d.comb += [faults.faults.eq(side.faults), self.faults.eq(faults.counts)]
-        connect(m, side.camera, flipped(self.camera))
+        forward(m, self.side.outside, self.camera, side.camera)
         connect(m, relay.o, writer.i)
         connect(m, writer.o, words.i)
         connect(m, words.o, bursts.i)

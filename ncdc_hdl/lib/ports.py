@@ -2,7 +2,7 @@
 
 from amaranth.lib.wiring import Out
 
-__all__ = ["flat", "join", "members_of", "ports_as"]
+__all__ = ["flat", "forward", "join", "ports_as"]
 
 
 def flat(prefix, signature, flow):
@@ -31,9 +31,8 @@ def ports_as(component, prefix, signature):
     return interface
 
 
-def members_of(component, signature):
-    """The members of ``component`` that ``signature`` has, as an interface, from outside."""
-    interface = signature.create()
-    for name in signature.members:
-        setattr(interface, name, getattr(component, name))
-    return interface
+def forward(m, signature, outer, inner):
+    """Connect the members of ``signature`` of ``outer`` with those of ``inner``, a part of it."""
+    for (_, member, ours), (_, _, theirs) in zip(signature.flatten(outer),
+                                                 signature.flatten(inner)):
+        m.d.comb += ours.eq(theirs) if member.flow is Out else theirs.eq(ours)

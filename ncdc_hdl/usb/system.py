@@ -43,7 +43,8 @@ class UsbSystem(wiring.Component):
         self.system, self.chip = system, chip
         self.corrector, self.hardware = system.corrector, system.hardware
         self.descriptor, self.stores, self.table = system.descriptor, system.stores, system.table
-        self.options = [f"--usb {chip.name.lower()}", f"--sensor {sensor.name}"]
+        self.camera = system.camera
+        self.options = [f"--usb {chip.name.lower()}", f"--sensor {sensor.name}", *system.options]
         burst = _burst_of(system)
         self.link = UsbLink(chip, SystemView.of(system, reader, clock_mhz), sensor,
                             self.hardware.data_width, burst, SYSTEM_WORDS_BITS)

@@ -15,6 +15,7 @@ from ncdc.cli import parser
 from ncdc_hdl.export.drivers.page import register_doc
 from ncdc_hdl.frontend.backmap import BackMap
 from ncdc_hdl.neural.tansig import Tansig
+from ncdc_spec.camera_port import KINDS
 from ncdc_spec.descriptor import Formats
 from ncdc_spec.hardware import Hardware
 from ncdc_spec.protocols.page import protocols_doc
@@ -158,7 +159,7 @@ def test_register_page_is_printed():
 
 @pytest.mark.parametrize("neurons", [1, 2, 32])
 def test_register_page_gives_every_register_its_offset(neurons):
-    table = (*registers(neurons, Formats(), colour=True), *system_registers(_STORES, 2592))
+    table = (*registers(neurons, Formats(), colour=True), *system_registers(_STORES, 2592, KINDS))
     families = Counter(register.family[0] for register in table)
     offsets = {}
     for offset, name in re.findall(r"^\| (0x[^|]*) \| `(\w+)` \|",

@@ -7,6 +7,7 @@ from amaranth.lib.wiring import Out
 from ncdc_hdl.camera.capture import Capture
 from ncdc_hdl.camera.frame_store import FrameStore
 from ncdc_hdl.camera.i2c import I2cController
+from ncdc_hdl.lib.ports import forward
 
 __all__ = ["CameraBlocks"]
 
@@ -33,7 +34,5 @@ class CameraBlocks(wiring.Component):
         m = Module()
         for name, part in self.parts.items():
             m.submodules[name] = part
-            ours = part.signature.flatten(getattr(self, name))
-            for (_, member, inner), (_, _, port) in zip(part.signature.flatten(part), ours):
-                m.d.comb += port.eq(inner) if member.flow is Out else inner.eq(port)
+            forward(m, part.signature, getattr(self, name), part)
         return m

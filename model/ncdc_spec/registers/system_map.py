@@ -5,6 +5,7 @@ The corrector's registers lie in front of them, see :mod:`ncdc_spec.registers.re
 
 from dataclasses import dataclass
 
+from ncdc_spec.camera_port import CSI2, FAULTS, PARALLEL, fault_registers
 from ncdc_spec.frames import ADDRESS_BITS
 from ncdc_spec.geometry import MAX_SIZE
 from ncdc_spec.registers.register_map import ADDRESS_WORDS_BITS, Bits, Flag, Register
@@ -41,7 +42,7 @@ I2C_COMMAND_FLAGS = (("WRITE", 0x200, "send `DATA`"), ("READ", 0x400, "receive a
 GRID_ROW_MIN = 8        # samples; so small a frame has a middle
 
 LOCKED = ("SENT_WIDTH", "SENT_HEIGHT", "WINDOW_LEFT", "WINDOW_TOP", "WINDOW_WIDTH",
-          "WINDOW_HEIGHT", "BLACK_LEVEL", "GRID_WEIGHT", "GRID_BIN",
+          "WINDOW_HEIGHT", "BLACK_LEVEL", "GRID_WEIGHT", "GRID_BIN", "CSI_CHANNEL", "CSI_TYPE",
           *(f"CURVE{k}" for k in range(PIECES + 1)), "RAW_PITCH", "RAW_BYTES", "CORRECTED_BYTES")
 """Settings that, like the bases of buffers, do not change while the camera is active or the
 corrector runs by itself."""
@@ -66,7 +67,7 @@ class Stores:
     screens: int = 0
 
 
-def system_registers(stores, grid=None):
+def system_registers(stores, grid=None, cameras=(PARALLEL,)):
     """All registers of a system but the corrector's, by ascending address.
 
     Parameters
@@ -74,9 +75,11 @@ def system_registers(stores, grid=None):
     stores : Stores
     grid : int, optional
         Samples of the longest row that capture's grid stage takes; absent: there is no such stage.
+    cameras : sequence of str
+        Kinds of camera whose registers there are.
     """
-    camera = (*_control(), *_settings(), *_curve(), *_grid(grid), *_gains(), *_counts(),
-              *_screen(stores), *_i2c())
+    camera = (*_control(), *_settings(), *_curve(), *_grid(grid), *_gains(), *_counts(cameras),
+              *_screen(stores), *_i2c(), *_source(cameras))
     return (*(_moved(r, CAMERA) for r in camera), *_stores(stores))
 
 
@@ -171,7 +174,11 @@ def _gains():
                    "1.0") for k, name in enumerate(("RED", "GREEN", "BLUE")))),)
 
 
-def _counts():
+def _counts(cameras):
+    """Counters of frames and rows; ``SOURCE_FAULTS`` where a source can find faults."""
+    source = () if not any(FAULTS[kind] for kind in cameras) else (
+        _ro("SOURCE_FAULTS", 0x2E, "Frames that were bad as the camera's source has it: the "
+            "counters of its faults give the reasons. Not with a parallel sensor."),)
     return (
         _ro("CAMERA_ROWS", 0x28, "Rows of the frame under way that are in memory.", _SIZE),
         _ro("LINE_FAULTS", 0x29, "Rows of the sensor that were too short or too long."),
@@ -179,6 +186,7 @@ def _counts():
         _ro("OVERFLOWS", 0x2B, "Frames of which samples were lost, as the memory was too slow."),
         _ro("FRAMES_MISSED", 0x2C, "Frames that were not begun, as the last one still waited."),
         _ro("CLOCK_STOPS", 0x2D, "Frames whose clock stopped for `CLOCK_LIMIT`."),
+        *source,
         _ro("RAW_BEGUN", 0x30, "Raw frames begun."),
         _ro("RAW_ENDED_BAD", 0x31, "Raw frames that ended as bad, and were not handed on."),
         _ro("RAW_TAKEN", 0x32, "Raw buffers that were taken away from a reader."),
@@ -221,6 +229,24 @@ def _i2c():
                   Flag("LOST", 0x400, "ro", "the bus was not free, or another controller took it"),
                   Flag("TIMEOUT", 0x800, "ro", "SCL was held for longer than `I2C_LIMIT`"))),
     )
+
+
+def _source(cameras):
+    """Settings of the camera's source, and counters of its faults."""
+    registers = {}
+    for kind in cameras:
+        first = 0x4A if kind == CSI2 else 0x52
+        where = "`--camera csi2`" if kind == CSI2 else "AXI4-Stream or Avalon-ST video"
+        for k, (name, register) in enumerate(fault_registers(kind).items()):
+            registers[register] = Register(
+                register, first + k, "ro", Bits(16),
+                f"{FAULTS[kind][name]} Modulo 65536. Only with {where}.")
+    settings = () if CSI2 not in cameras else (
+        _rw("CSI_CHANNEL", 0x48, Bits(2), "Virtual channel of the frames. Only with "
+            "`--camera csi2`."),
+        _rw("CSI_TYPE", 0x49, Bits(6), "Data type of the rows, 0x10 or more: 0x2A RAW8, 0x2B RAW10, "
+            "0x2C RAW12; each byte of any other type is a sample. Only with `--camera csi2`."))
+    return (*settings, *sorted(registers.values(), key=lambda register: register.address))
 
 
 def _stores(stores):

@@ -1,8 +1,10 @@
 """Values of a system's registers after a reset: sizes and addresses for one camera."""
 
+from ncdc_spec.camera_port import CSI2, CameraPort
 from ncdc_spec.frames import FrameAddresses, output_format, source_bytes, target_bytes
 from ncdc_spec.raw_gains import NO_RAW_GAINS
 from ncdc_spec.registers.system_map import Stores
+from ncdc_spec.sensors.csi2 import DataType
 from ncdc_spec.sensors.level import LINEAR
 from ncdc_spec.white_balance import gains_word
 
@@ -41,8 +43,8 @@ def memory_bytes(descriptor, hardware, stores):
     return stores.raw * raw + stores.corrected * corrected
 
 
-def system_values(descriptor, hardware, stores):
-    """Register values after a reset, by name, of a system made for ``descriptor``'s camera.
+def system_values(descriptor, hardware, stores, camera=CameraPort()):
+    """Register values after a reset, by name, of a system made for ``descriptor``'s ``camera``.
 
     The sensor is taken to send what is captured; raw buffers lie from byte address 0 on, those of
     corrected frames after them.
@@ -56,6 +58,7 @@ def system_values(descriptor, hardware, stores):
         "CORRECTED_BYTES": corrected,
         **{f"CURVE{k}": value for k, value in enumerate(LINEAR)},
         "CAPTURE_GAINS": gains_word(NO_RAW_GAINS),
+        **({"CSI_TYPE": int(DataType.RAW10)} if camera.kind == CSI2 else {}),
         "I2C_QUARTER": _I2C_QUARTER, "I2C_LIMIT": _I2C_LIMIT,
         **{f"RAW{k}_BASE": k * raw for k in range(stores.raw)},
         **{f"CORRECTED{k}_BASE": stores.raw * raw + k * corrected

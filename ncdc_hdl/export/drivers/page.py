@@ -2,6 +2,7 @@
 
 from importlib.resources import files
 
+from ncdc_spec.camera_port import KINDS
 from ncdc_spec.descriptor import Formats
 from ncdc_spec.frames import SOURCE_BEYOND
 from ncdc_spec.geometry import MAX_SIZE
@@ -29,7 +30,7 @@ def register_doc(hidden_neurons, formats):
                        last=hidden_neurons - 1, skip=4 * SKIP, nodes=4 * NODES,
                        rows="".join(lines), bits=bits, high=16 + bits,
                        system_rows="".join(_rows(
-                           system_registers(stores_for(Hardware(), 2), MAX_SIZE))))
+                           system_registers(stores_for(Hardware(), 2), MAX_SIZE, KINDS))))
 
 
 def _rows(table):

@@ -12,7 +12,7 @@ from ncdc_hdl.export.verilog.port_list import (
     AXI_WRITE,
     port_lines,
 )
-from ncdc_hdl.export.verilog.system_cover import PINS, SYSTEM, system_header
+from ncdc_hdl.export.verilog.system_cover import SYSTEM, pins, system_header
 
 __all__ = ["AXI_SYSTEM", "AXI_TOP", "axi_name", "axi_verilog"]
 
@@ -42,6 +42,6 @@ def axi_verilog(top, name=None):
     system = hasattr(top.core, "corrector")
     options = name_option(name or axi_name(top), axi_name(top))
     header = (system_header if system else corrector_header)(top.core, options)
-    plain = PINS if system else (("status", tuple(STATUS), STATUS),)
+    plain = pins(top.core.camera) if system else (("status", tuple(STATUS), STATUS),)
     return convert(top, name or axi_name(top), header,
                    partial(port_lines, interfaces=(*_INTERFACES, *plain)))

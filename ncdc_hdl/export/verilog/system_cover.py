@@ -14,15 +14,35 @@ from ncdc_hdl.export.verilog.port_list import (
     WRITE_HOST,
     port_lines,
 )
+from ncdc_spec.camera_port import AVALON_ST, AXIS, CSI2, LANES, PARALLEL, VIP
 
-__all__ = ["PINS", "SYSTEM", "system_header", "system_verilog"]
+__all__ = ["SYSTEM", "pins", "system_header", "system_verilog"]
 
 SYSTEM = "ncdc_system"
 
-_SENSOR = {
+_PARALLEL = {
     "clock": "of the sensor; its rising edge samples the pins",
     "frame_valid": "high in a frame", "line_valid": "high with the samples of a row",
     "data": "sample; a shorter one is in the upper bits"}
+_AXIS = {
+    "clock": "of the stream", "tdata": "samples, the first one lowest",
+    "tuser": "first beat of a frame", "tlast": "last beat of a row",
+    "tvalid": "samples are there, held until tready",
+    "tready": "they are taken; low after a frame only"}
+_AVALON_ST = {
+    "clock": "of the stream", "data": "samples, the first one lowest",
+    "empty": "samples of a packet's last beat that do not count",
+    "startofpacket": "first beat of a packet", "endofpacket": "last beat of a packet",
+    "valid": "samples are there, held until ready",
+    "ready": "they are taken; low after a packet only"}
+_CSI2 = {"clock": "of the bytes", **{f"lane{k}_{name}": text for k in range(max(LANES)) for name, text in (
+    ("data", "a byte, the first bit lowest"), ("valid", "high from the first byte on: RxValidHS"),
+    ("active", "high during the burst: RxActiveHS"))}}
+_CAMERAS = {
+    PARALLEL: ("parallel sensor", _PARALLEL), AXIS: ("camera: AXI4-Stream video sink", _AXIS),
+    AVALON_ST: ("camera: Avalon-ST video sink", _AVALON_ST),
+    VIP: ("camera: Avalon-ST video sink, packets with types", _AVALON_ST),
+    CSI2: ("camera: bytes of CSI-2 lanes, PHY protocol interface", _CSI2)}
 _I2C = {
     "scl_low": "pull SCL low, or release it", "sda_low": "pull SDA low, or release it",
     "scl": "the line, asynchronous", "sda": "the line, asynchronous"}
@@ -36,16 +56,10 @@ _USB = {
     "data_o": "to the bus", "be_o": "bytes of it that count",
     "data_oe": "drive the bus, and BE with it", "oe_n": "the chip drives the bus",
     "rd_n": "a word is taken", "wr_n": "a word is offered"}
-PINS = (("parallel sensor", "sensor_", _SENSOR),
-        ("I2C bus of the sensor: open drain", tuple(_I2C), _I2C),
-        ("status", tuple(_STATUS), _STATUS))
-"""Interfaces of a system outside the buses of memory and registers."""
-
 _INTERFACES = (
     ("clock and reset", ("clk", "rst", "memory_rst"), CLOCK | {
         "clk": "for all ports but the sensor's and the I2C lines"}),
     ("registers: Avalon-MM agent, 32 bits", "csr_", AGENT),
-    *PINS[:2],
     ("raw frames: Avalon-MM burst read host", "read0_", READ_HOST),
     ("raw frames, second row of a window: Avalon-MM burst read host", "read1_", READ_HOST),
     ("raw frames, third row of a window: Avalon-MM burst read host", "read2_", READ_HOST),
@@ -53,7 +67,6 @@ _INTERFACES = (
     ("raw and corrected frames: Avalon-MM burst write host", "write_", WRITE_HOST | {
         "writedata": "samples, or pixels in the format of OUTPUT_FORMAT"}),
     ("corrected frames: Avalon-ST video source", "stream_", STREAM),
-    PINS[2],
 )
 
 
@@ -66,11 +79,20 @@ def system_verilog(system, platform=None, name=SYSTEM):
                    partial(port_lines, interfaces=_interfaces(system)), platform)
 
 
+def pins(camera):
+    """Interfaces of a system outside the buses of memory and registers, for its ``camera``."""
+    title, texts = _CAMERAS[camera.kind]
+    return ((title, "sensor_", texts), ("I2C bus of the sensor: open drain", tuple(_I2C), _I2C),
+            ("status", tuple(_STATUS), _STATUS))
+
+
 def _interfaces(system):
     """Interfaces of a system; with USB the link's read port is after the corrector's."""
     usb = f"{getattr(system, 'port', '')}_"
+    camera, i2c, status = pins(system.camera)
     return tuple(("frames for USB: Avalon-MM burst read host", which, texts)
-                 if which == usb else (title, which, texts) for title, which, texts in _INTERFACES)
+                 if which == usb else (title, which, texts) for title, which, texts in (
+                     *_INTERFACES[:2], camera, i2c, *_INTERFACES[2:], status))
 
 
 def system_header(system, options=()):
@@ -81,7 +103,7 @@ def system_header(system, options=()):
     descriptor, g = system.descriptor, system.descriptor.geometry
     stores = system.stores
     command = " ".join(["ncdc generate NET.toml -o DIR --system", *options,
-                        *getattr(system, "options", []), *system.hardware.options(g)])
+                        *system.options, *system.hardware.options(g)])
     return [
         f"NCDC {version('ncdc')}: camera, frame stores and corrector, made with Amaranth "
         f"{version('amaranth')}.",
