@@ -130,7 +130,8 @@ class System(wiring.Component):
         word_bits = exact_log2(self.hardware.data_width // 8)
         m.submodules.page = page = Page(
             self.table, SYSTEM_WORDS_BITS,
-            system_values(self.descriptor, self.hardware, self.stores, self.camera), [*LOCKED, *bases],
+            system_values(self.descriptor, self.hardware, self.stores, self.camera),
+            [*LOCKED, *bases],
             dict.fromkeys([*bases, "RAW_PITCH", "RAW_BYTES", "CORRECTED_BYTES"], word_bits))
         for name in self.signature.members:
             if name.startswith(("read", "stream_")) or name in ("memory_rst", "front_end_idle"):

@@ -25,6 +25,7 @@ from ncdc_hdl.system import System
 from ncdc_hdl.usb.layouts import CHIPS
 from ncdc_hdl.usb.system import UsbSystem
 from ncdc_model.golden.corrector import check_raw
+from ncdc_spec.camera_port import PARALLEL, SAMPLE_BITS, SAMPLES_PER_CLOCK, camera_port
 from ncdc_spec.descriptor import Descriptor
 from ncdc_spec.errors import InputError
 from ncdc_spec.files import write_text
@@ -64,6 +65,15 @@ def add_arguments(parser) -> None:
     more.add_argument("--system", action="store_true",
                       help="write ncdc_system.v instead: a camera and stores of frames before "
                            "the corrector, which corrects each frame by itself")
+    more.add_argument("--camera", metavar="KIND",
+                      help="with --system, how the camera's samples come: parallel, a sensor's "
+                           "pins (default); axis, AXI4-Stream video; avalon-st, Avalon-ST video, "
+                           "avalon-st:vip with packets' types; csi2:1, csi2:2 or csi2:4, bytes of "
+                           "as many CSI-2 lanes")
+    more.add_argument("--samples-per-clock", type=int, choices=SAMPLES_PER_CLOCK, metavar="N",
+                      help="of --camera axis and avalon-st: 1 (default), 2 or 4")
+    more.add_argument("--sample-bits", type=int, choices=SAMPLE_BITS, metavar="BITS",
+                      help="of the same: 8, 10, 12 (default) or 16, of which the upper 12 count")
     more.add_argument("--usb", choices=[name.lower() for name in CHIPS], metavar="CHIP",
                       help="with --system: registers, pictures and Table I over an FTDI chip, "
                            "ft232h or ft601; needs --sensor")
@@ -91,7 +101,8 @@ def run(args) -> None:
     module = args.name or _default_name(args, hardware)
     hardware, choice = planned(hardware, fixed_of(args), descriptor)
     if args.system:
-        system = System(descriptor, hardware)
+        system = System(descriptor, hardware, camera=camera_port(
+            args.camera or PARALLEL, args.samples_per_clock, args.sample_bits))
         corrector = system.corrector
         if args.usb:
             system = UsbSystem(system, CHIPS[args.usb.upper()], sensor_named(args.sensor))
@@ -155,6 +166,10 @@ def _check_options(args, hardware):
     name, board, usb = (f"--{key} {getattr(args, key)}" for key in ("name", "board", "usb"))
     bench, packets = args.testbench is not None, hardware.video != VIDEOS[0]
     one_core, plain = "its scripts know one core, of the default name", "plain video only"
+    for option in ("camera", "samples_per_clock", "sample_bits"):
+        if getattr(args, option) is not None and not args.system:
+            raise InputError(f"--{option.replace('_', '-')} {getattr(args, option)} is given, it "
+                             "needs --system: a corrector alone reads its frames from memory")
     for wrong, sentence in (
             (args.system and args.board,
              f"--system and {board} are given, its project is of a corrector alone"),

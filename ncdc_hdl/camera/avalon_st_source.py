@@ -79,7 +79,8 @@ class AvalonStSource(wiring.Component):
         empty = Mux(self.endofpacket, getattr(self, "empty", 0), 0)
         ends = samples_here & self.endofpacket | short
         outputs = {
-            "valid": Cat(samples_here & (empty < self.count - k) for k in range(self.count)),
+            "valid": Cat(samples_here, *(samples_here & (empty < self.count - k)
+                                         for k in range(1, self.count))),
             "first": samples_here & first, "last": samples_here & row_ends, "end": ends,
             "bad": short | wrong}
         m.d.comb += [getattr(self.o, name).eq(register(m, f"{name}_", value, reset_less=False))

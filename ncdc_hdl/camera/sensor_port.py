@@ -162,7 +162,7 @@ class SensorPort(wiring.Component):
         end = register(m, "row_length", self.settings.sent_width - 1, SIZE_BITS)
         wrong = group != end[part:]
         if part:
-            wrong |= valid != Cat(end[:part] >= k for k in range(self.count))
+            wrong |= valid != Cat(Const(1), *(end[:part] >= k for k in range(1, self.count)))
         if self.row is not None:
             wrong |= (group >= self.row) & self.grid.as_value().any()
         return wrong

@@ -160,6 +160,37 @@ def test_a_system_is_written_with_the_driver_of_its_camera(folder, capsys):
     assert not (folder / "none").exists()
 
 
+CAMERAS = {"axis --samples-per-clock 2 --sample-bits 10": (
+               "24 sensor_tdata", "SOURCE_FAULTS VIDEO_SHORT VIDEO_STRAY"),
+           "avalon-st:vip --samples-per-clock 4 --sample-bits 8": (
+               "32 sensor_data", "SOURCE_FAULTS VIDEO_SHORT VIDEO_STRAY VIDEO_SIZE"),
+           "csi2:2": ("8 sensor_lane1_data", "SOURCE_FAULTS CSI_CHANNEL CSI_TYPE CSI_CHECKSUM")}
+
+
+@pytest.mark.longer
+@pytest.mark.parametrize("camera", CAMERAS)
+def test_a_system_for_another_camera(folder, camera, tmp_path):
+    """Its ports are those of the component of Platform Designer; its registers those of the
+    drivers."""
+    (port, names), net = CAMERAS[camera], str(folder / "net.toml")
+    assert main(["generate", net, "-o", str(tmp_path), "--system", "--camera",
+                 *camera.split()]) == 0
+    verilog = (tmp_path / "ncdc_system.v").read_text()
+    width, name = port.split()
+    assert re.search(rf"^  input  wire +\[{int(width) - 1}:0\] {name},", verilog, re.MULTILINE)
+    assert f"--camera {camera.split()[0]}" in verilog
+    header = (tmp_path / "ncdc_registers.h").read_text()
+    for register in names.split():
+        assert f"NCDC_{register} " in header
+    assert "CSI_TYPE" not in header or camera == "csi2:2"
+    tcl = (tmp_path / "ncdc_system_hw.tcl").read_text()
+    kind = "avalon_streaming end" if camera.startswith("avalon") else "conduit end"
+    assert f"add_interface sensor {kind}" in tcl and f"add_interface_port sensor {name}" in tcl
+    if camera.startswith("avalon"):
+        assert "set_interface_property sensor associatedClock sensor_clock" in tcl
+        assert "set_interface_property sensor symbolsPerBeat 4" in tcl
+
+
 @pytest.mark.parametrize("options,message", [
     ("--system --board faka2", "--system and --board faka2 are given, its project is of a corr"),
     ("--bus axi --board faka2", "--bus axi and --board faka2 are given, its project is for avalon"),
@@ -173,6 +204,13 @@ def test_a_system_is_written_with_the_driver_of_its_camera(folder, capsys):
     ("--usb ft232h --system", "--usb and --sensor are given together"),
     ("--sensor mt9p031 --system", "--usb and --sensor are given together"),
     ("--system --testbench", "--testbench and --system are given, the test bench is of a corr"),
+    ("--camera axis", "--camera axis is given, it needs --system: a corrector alone reads"),
+    ("--sample-bits 10", "--sample-bits 10 is given, it needs --system"),
+    ("--system --camera usb", "--camera is usb, it must be parallel, axis, avalon-st"),
+    ("--system --camera csi2", "--camera is csi2, it must be"),
+    ("--system --camera csi2:2 --samples-per-clock 4", "csi2:2 has 2 samples per clock, not 4"),
+    ("--system --camera parallel --samples-per-clock 2", "has 1 sample per clock, not 2"),
+    ("--system --sample-bits 10", "of the kind parallel has samples of 12 bits, not 10"),
     ("--to stream --video vip --board faka2", "--video vip and --board are given, the projects"),
     ("--to stream --video vip --testbench", "--video vip and --testbench are given, the test")])
 def test_conflicting_options_are_rejected(folder, tmp_path, options, message, capsys):

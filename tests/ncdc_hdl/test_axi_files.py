@@ -34,7 +34,8 @@ def net(tmp_path_factory):
 
 
 OPTIONS = {"ncdc_axi": ["--to", "stream"],
-           "ncdc_system_axi": ["--system", "--fetch", "multiport"]}
+           "ncdc_system_axi": ["--system", "--fetch", "multiport", "--camera", "axis",
+                               "--samples-per-clock", "2", "--sample-bits", "10"]}
 
 
 @pytest.fixture(scope="module", params=OPTIONS)
@@ -73,9 +74,11 @@ def test_ipxact_has_each_port_of_the_verilog(generated):
     assert len(mapped) == len(set(mapped))
     buses = {"aclk", "aresetn", "irq"} | {port for port in ports
                                           if port.startswith(("s_axi_", "m_axi"))}
-    assert set(mapped) == buses
-    [busif] = [each.findtext(f"{SPIRIT}value") for each in root.iter(f"{SPIRIT}parameter")
-               if each.findtext(f"{SPIRIT}name") == "ASSOCIATED_BUSIF"]
+    camera = {port for port in ports if port.startswith("sensor_")}
+    assert set(mapped) == buses | camera and len(camera) == 6 * ("system" in name)
+    busif, *others = [each.findtext(f"{SPIRIT}value") for each in root.iter(f"{SPIRIT}parameter")
+                      if each.findtext(f"{SPIRIT}name") == "ASSOCIATED_BUSIF"]
+    assert others == ["sensor"] * bool(camera)
     assert set(busif.split(":")) == {re.match(r"s_axi|m_axi_\w+?(?=_)|m_axis", port)[0]
                                      for port in buses - {"aclk", "aresetn", "irq"}}
 

@@ -13,6 +13,7 @@ from ncdc_hdl.export.verilog.system_cover import SYSTEM, system_verilog
 from ncdc_hdl.export.waivers import SLANG, SYSTEM_WAIVERS, VERILATOR, verilator_config
 from ncdc_hdl.system import System
 from ncdc_sim.tools import environment, tool
+from ncdc_spec.camera_port import camera_port
 from ncdc_spec.hardware import Hardware
 
 HARDWARE = {"cache": Hardware(), "stream": Hardware(output="stream", data_width=128),
@@ -59,9 +60,11 @@ def test_verilator_finds_only_what_is_waived(verilog):
 
 
 @pytest.mark.longer
-def test_verilator_finds_only_what_is_waived_of_a_system(tmp_path):
+@pytest.mark.parametrize("camera", [("parallel",), ("axis", 2, 10), ("avalon-st", 1, 16),
+                                    ("avalon-st:vip", 4, 8), ("csi2:2",)])
+def test_verilator_finds_only_what_is_waived_of_a_system(camera, tmp_path):
     verilog = tmp_path / f"{SYSTEM}.v"
-    verilog.write_text(system_verilog(System(barrel_descriptor())))
+    verilog.write_text(system_verilog(System(barrel_descriptor(), camera=camera_port(*camera))))
     (tmp_path / "waivers.vlt").write_text(verilator_config(SYSTEM, SYSTEM_WAIVERS))
     assert lint(verilog, "waivers.vlt") == (0, set())
 

@@ -244,8 +244,9 @@ def _source(cameras):
     settings = () if CSI2 not in cameras else (
         _rw("CSI_CHANNEL", 0x48, Bits(2), "Virtual channel of the frames. Only with "
             "`--camera csi2`."),
-        _rw("CSI_TYPE", 0x49, Bits(6), "Data type of the rows, 0x10 or more: 0x2A RAW8, 0x2B RAW10, "
-            "0x2C RAW12; each byte of any other type is a sample. Only with `--camera csi2`."))
+        _rw("CSI_TYPE", 0x49, Bits(6), "Data type of the rows, 0x10 or more: 0x2A RAW8, 0x2B "
+            "RAW10, 0x2C RAW12; each byte of any other type is a sample. Only with "
+            "`--camera csi2`."))
     return (*settings, *sorted(registers.values(), key=lambda register: register.address))
 
 

@@ -9,6 +9,7 @@ from amaranth.lib.wiring import Out
 from ncdc_hdl.export.verilog import TOP
 from ncdc_hdl.export.verilog.system_cover import SYSTEM
 from ncdc_hdl.link.top import PACKETISER
+from ncdc_spec.camera_port import AVALON_ST, VIP
 
 __all__ = ["COMPONENT", "hw_tcl", "interfaces", "packetiser_hw_tcl", "system_hw_tcl"]
 
@@ -48,10 +49,23 @@ def interfaces(core):
              "reset": ("reset", "end", {"rst": ("reset", 1)})}
     for port, member in core.signature.members.items():
         prefix, _, role = port.partition("_")
-        name, kind, direction, role = _role(prefix, role, port)
+        name, kind, direction, role = (
+            _camera(role) if prefix == "sensor" and _video(core) else _role(prefix, role, port))
         _, _, ports = found.setdefault(name, (kind, direction, {}))
         ports[port] = (role, Shape.cast(member.shape).width)
     return found
+
+
+def _video(core):
+    """The camera's samples come as Avalon-ST."""
+    return core.camera.kind in (AVALON_ST, VIP)
+
+
+def _camera(role):
+    """Interface of a port of the camera's stream, which has a clock of its own."""
+    if role == "clock":
+        return "sensor_clock", "clock", "end", "clk"
+    return "sensor", "avalon_streaming", "end", role
 
 
 def _role(prefix, role, port):
@@ -143,6 +157,11 @@ def _properties(name, kind, direction, core):
     if kind == "reset":
         return {"associatedClock": "clock", "synchronousEdges": "BOTH"}
     own = {"associatedClock": "clock", "associatedReset": "reset"}
+    if name == "sensor" and kind == "avalon_streaming":
+        camera = core.camera
+        return own | {"associatedClock": "sensor_clock", "dataBitsPerSymbol": camera.bits,
+                      "symbolsPerBeat": camera.samples, "firstSymbolInHighOrderBits": "false",
+                      "readyLatency": 0}
     if kind == "avalon" and direction == "end":
         # One read at a time: the agent holds waitrequest until it has answered.
         return own | {"addressUnits": "WORDS", "maximumPendingReadTransactions": 1,

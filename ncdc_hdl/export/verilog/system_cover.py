@@ -35,9 +35,11 @@ _AVALON_ST = {
     "startofpacket": "first beat of a packet", "endofpacket": "last beat of a packet",
     "valid": "samples are there, held until ready",
     "ready": "they are taken; low after a packet only"}
-_CSI2 = {"clock": "of the bytes", **{f"lane{k}_{name}": text for k in range(max(LANES)) for name, text in (
-    ("data", "a byte, the first bit lowest"), ("valid", "high from the first byte on: RxValidHS"),
-    ("active", "high during the burst: RxActiveHS"))}}
+_LANE = {
+    "data": "a byte, the first bit lowest", "valid": "high from the first byte on: RxValidHS",
+    "active": "high during the burst: RxActiveHS"}
+_CSI2 = {"clock": "of the bytes", **{f"lane{k}_{name}": text for k in range(max(LANES))
+                                     for name, text in _LANE.items()}}
 _CAMERAS = {
     PARALLEL: ("parallel sensor", _PARALLEL), AXIS: ("camera: AXI4-Stream video sink", _AXIS),
     AVALON_ST: ("camera: Avalon-ST video sink", _AVALON_ST),

@@ -15,6 +15,7 @@ _NAMESPACE = "http://www.spiritconsortium.org/XMLSchema/SPIRIT/1685-2009"
 _XILINX = "http://www.xilinx.com"
 _FAMILIES = ("zynq", "zynquplus", "artix7", "kintex7", "virtex7", "kintexu", "virtexuplus",
              "versal")
+_SENSOR = "sensor"      # prefix of the camera's ports, and name of its AXI4-Stream
 _BURST = 16             # most words of a burst
 _MANAGED = 1 << 32      # bytes that a manager can address
 
@@ -45,6 +46,7 @@ class _Component:
         self.buses = [prefix for prefix in ("s_axi", "m_axi_read0", "m_axi_read1", "m_axi_read2",
                                             "m_axi_write", "m_axis")
                       if any(name.startswith(f"{prefix}_") for name in names)]
+        self.video = [port for port in self.ports if port.name.startswith(f"{_SENSOR}_t")]
         ElementTree.register_namespace("spirit", _NAMESPACE)
         ElementTree.register_namespace("xilinx", _XILINX)
         self.root = ElementTree.Element(_tag("component"))
@@ -124,6 +126,12 @@ class _Component:
                         {"POLARITY": "ACTIVE_LOW"})
         self._interface(parent, "aclk", ("signal", "clock"), "slave", [("CLK", "aclk")],
                         {"ASSOCIATED_BUSIF": ":".join(self.buses), "ASSOCIATED_RESET": "aresetn"})
+        if self.video:
+            self._interface(parent, _SENSOR, ("interface", "axis"), "slave",
+                            [(port.name.removeprefix(f"{_SENSOR}_").upper(), port.name)
+                             for port in self.video], {})
+            self._interface(parent, f"{_SENSOR}_clock", ("signal", "clock"), "slave",
+                            [("CLK", f"{_SENSOR}_clock")], {"ASSOCIATED_BUSIF": _SENSOR})
         self._interface(parent, "irq", ("signal", "interrupt"), "master", [("INTERRUPT", "irq")],
                         {"SENSITIVITY": "LEVEL_HIGH"})
 
