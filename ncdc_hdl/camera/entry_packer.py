@@ -52,11 +52,11 @@ class EntryPacker(wiring.Component):
         gathered = Signal(data.ArrayLayout(8, SAMPLES - 1))
         have = Signal(range(SAMPLES))   # bytes gathered
         rest = Signal()                 # they are the second entry of a row's end
-        kept = Mux(self.clear | rest, 0, have)
+        older = Mux(self.clear | rest, 0, have)
         total = Signal(range(SAMPLES + self.count))
         more = Signal()                 # bytes are left after this clock's entry
         m.d.comb += [
-            total.eq(kept + sum(self.inside[k] for k in range(self.count))),
+            total.eq(older + sum(self.inside[k] for k in range(self.count))),
             more.eq(total > SAMPLES),
             self.valid.eq(rest | self.closes | (total >= SAMPLES)),
             self.row_end.eq(rest | self.closes & ~more)]
@@ -67,7 +67,7 @@ class EntryPacker(wiring.Component):
             if slot < SAMPLES - 1:
                 m.d.comb += self.o.word_select(slot, 8).eq(
                     Mux(slot < have, gathered[slot], new))
-                with m.If(~(slot < kept) | self.valid):
+                with m.If(~(slot < older) | self.valid):
                     m.d.sync += gathered[slot].eq(byte)
             else:
                 m.d.comb += self.o.word_select(slot, 8).eq(new)
