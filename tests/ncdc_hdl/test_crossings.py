@@ -14,6 +14,7 @@ from cameras import barrel_descriptor
 from crossings import Clocks, Wire
 from ncdc_hdl.camera import capture
 from ncdc_hdl.system import System
+from ncdc_spec.camera_port import camera_port
 from ncdc_spec.hardware import Hardware
 from ncdc_spec.registers.system_map import LOCKED
 
@@ -135,6 +136,28 @@ def test_logic_before_a_synchroniser_is_found(monkeypatch):
     monkeypatch.setattr(capture, "FFSynchronizer", Gated)
     found = {c.sink: c.direct for c in crossings_of_capture() if "inner" in c.sink}
     assert found == {"active.inner.stage0": False, "enable.inner.stage0": False}
+
+
+@pytest.mark.longer
+@pytest.mark.parametrize("kind,settings", [("axis", {"SENT_HEIGHT"}),
+                                           ("csi2:2", {"CSI_CHANNEL", "CSI_TYPE"})])
+def test_a_source_reads_locked_settings_and_its_faults_cross_one_by_one(kind, settings):
+    camera = camera_port(kind)
+    system = System(barrel_descriptor((64, 24), (64, 24), hidden_neurons=2), Hardware(
+        data_width=64), camera=camera)
+    pins = [name for name in system.signature.members if name.startswith("sensor_")]
+    clocks = Clocks(rtlil.convert(system, name="ncdc_system", emit_src=False), {
+        "scl": "", "sda": "", **dict.fromkeys(pins, "sensor_clock")})
+    found = unknown(clocks.crossings(), "")
+    # Outputs of the module count as those of its clock.
+    counted = {c for c in found if c.sink.startswith("capture.faults.")}
+    read = {c for c in found - counted if c.source == "page.values"}
+    assert {c.sink for c in found - counted - read} <= {"sensor_tready"}
+    assert {(c.source, c.sink, len(c.bits), c.direct) for c in counted} == {
+        (f"capture.faults.{name}_changes", f"capture.faults.{name}.stage0", 1, True)
+        for name in camera.faults}
+    assert set().union(*(registers_in(system, c.bits) for c in read)) == SETTINGS | settings
+    assert settings <= set(LOCKED)
 
 
 @pytest.mark.longer

@@ -12,6 +12,7 @@ from ncdc_boards.sdram.controller import SdramController
 from ncdc_hdl.backend.cache.cache import Cache
 from ncdc_hdl.backend.colour import Colour
 from ncdc_hdl.backend.interpolator import Interpolator
+from ncdc_hdl.camera.axis_source import AxisSource
 from ncdc_hdl.camera.camera_side import CameraSide
 from ncdc_hdl.camera.csi2.layouts import FAULTS
 from ncdc_hdl.camera.csi2.receiver import Receiver
@@ -139,6 +140,9 @@ BLOCKS = {
                "with a queue of 32": lambda bits: CameraBlocks(_DATA_WIDTH, 16, 3, 32),
                "frame store": lambda bits: FrameStore(3), "I2C": lambda bits: I2cController(),
                "sensor port": lambda bits: CameraSide(),
+               "AXI4-Stream, 1 sample": lambda bits: CameraSide(AxisSource(1, 12)),
+               "AXI4-Stream, 2 samples": lambda bits: CameraSide(AxisSource(2, 12)),
+               "AXI4-Stream, 4 samples": lambda bits: CameraSide(AxisSource(4, 12)),
                "sensor port, grid of 648": lambda bits: CameraSide(grid=648),
                "sensor port, grid of 1296": lambda bits: CameraSide(grid=1296)},
     "CSI-2": {"receiver, 1 lane": lambda bits: Receiver(1),
