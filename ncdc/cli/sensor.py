@@ -24,6 +24,7 @@ _TEXTS = {
     "frames_per_second": "default: as many as the exposure allows",
     "clock_hz": "external clock of the sensor (default: its usual one)",
     "pixel_clock_hz": "default: the sensor's usual one",
+    "lane_hz": "bits per second of a CSI-2 lane (default: the sensor's usual ones)",
 }
 
 # `ncdc train --skip` is of the network.
@@ -65,7 +66,10 @@ def run(args) -> None:
 
 
 def _summary(plan):
-    timing, sensor = plan.timing, plan.sensor
+    timing, sensor, link = plan.timing, plan.sensor, plan.link
+    lanes = () if link is None else (
+        ("CSI-2", f"{link.lanes} lanes of {link.lane_hz / 1e6:g} Mb/s, {link.data_type.name}, "
+                  f"{link.embedded_rows} rows of embedded data"),)
     return (
         ("I2C address", f"0x{sensor.i2c_address:02X}, registers of {sensor.value_bits} bits at "
                         f"addresses of {sensor.pointer_bits}"),
@@ -78,8 +82,7 @@ def _summary(plan):
         ("frame", f"{timing.frame_lines} lines, {timing.frames_per_second:.3f} per second"),
         ("samples", f"{timing.width}x{timing.height} {plan.bayer}, {sensor.bits} bits; black is "
                     f"{sensor.black} of 4095"),
-        ("field", _field(plan)),
-    )
+        ("field", _field(plan)), *lanes)
 
 
 def _field(plan):

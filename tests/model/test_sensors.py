@@ -99,6 +99,66 @@ def test_ov5640_by_hand():
     assert (whole | rest).items() <= last_of(plan).items()
 
 
+def test_imx219_by_hand():
+    """Linux's mode of 1920x1080 at 30 frames per second."""
+    plan = prepared("imx219", width=1920, height=1080, left=680, top=692, exposure_us=20_000,
+                    frames_per_second=30, gain_db=20 * log10(8))
+    # 182.4 MHz / (3448 * 30) = 1763.3; 20 ms are 1058 lines.
+    expected = {0x0160: 0x06, 0x0161: 0xE3, 0x0162: 0x0D, 0x0163: 0x78, 0x0164: 0x02, 0x0165: 0xA8,
+                0x0166: 0x0A, 0x0167: 0x27, 0x0168: 0x02, 0x0169: 0xB4, 0x016A: 0x06, 0x016B: 0xEB,
+                0x016C: 0x07, 0x016D: 0x80, 0x016E: 0x04, 0x016F: 0x38, 0x0174: 0, 0x0175: 0,
+                0x0306: 0, 0x0307: 57, 0x030C: 0, 0x030D: 114, 0x0309: 10, 0x018C: 10, 0x018D: 10,
+                0x0114: 1, 0x012A: 24, 0x012B: 0, 0x0157: 224, 0x0158: 1, 0x0159: 0, 0x015A: 0x04,
+                0x015B: 0x22, 0x0172: 0, 0x0601: 0, 0x0100: 1}
+    assert expected.items() <= last_of(plan).items()
+    assert plan.gain_256 == 8 * 256 and plan.exposure_clocks == 1058 * 3448
+    assert (plan.link.lanes, plan.link.lane_hz, plan.link.embedded_rows) == (2, 912_000_000, 2)
+    # The whole array, binned: 1640x1232 at 30 frames per second.
+    plan = prepared("imx219", skip=2, bins=2, frames_per_second=30)
+    expected = {0x0164: 0, 0x0165: 0, 0x0166: 0x0C, 0x0167: 0xCF, 0x016A: 0x09, 0x016B: 0x9F,
+                0x016C: 0x06, 0x016D: 0x68, 0x016E: 0x04, 0x016F: 0xD0, 0x0174: 1, 0x0175: 1}
+    assert expected.items() <= last_of(plan).items() and plan.timing.frame_lines == 1763
+
+
+def test_imx219_lines_are_longer_on_slow_lanes():
+    """1920 samples on two lanes of 456 Mb/s: 21.05 us and the pause are 4114 clocks of the pixels;
+    640 take 7 us, less than the shortest line."""
+    slow = prepared("imx219", width=1920, height=1080, lane_hz=456_000_000)
+    assert slow.timing.line_clocks == 4114 and last_of(slow)[0x030D] == 57
+    assert prepared("imx219", width=640, lane_hz=456_000_000).timing.line_clocks == 3448
+
+
+@pytest.mark.parametrize("factor,analog,digital", [
+    (1, 0, 256), (2, 128, 256), (256 / 24, 232, 256), (16, 232, 384), (160, 232, 3840)])
+def test_imx219_gain_words(factor, analog, digital):
+    plan = prepared("imx219", gain_db=20 * log10(factor))
+    words = last_of(plan)
+    assert (words[0x0157], words[0x0158] << 8 | words[0x0159]) == (analog, digital)
+    assert plan.gain_256 == round(256 * factor)
+
+
+def test_ov5647_by_hand():
+    """Linux's modes of 2592x1944, and of 1296x972 but for its margins and its frame's lines."""
+    plan = prepared("ov5647", gain_db=20 * log10(2), exposure_us=20_000)
+    expected = {0x3036: 105, 0x3800: 0, 0x3801: 0, 0x3802: 0, 0x3803: 0, 0x3804: 0x0A,
+                0x3805: 0x3F, 0x3806: 0x07, 0x3807: 0xA3, 0x3808: 0x0A, 0x3809: 0x20,
+                0x380A: 0x07, 0x380B: 0x98, 0x3811: 16, 0x3813: 6, 0x380C: 0x0B, 0x380D: 0x1C,
+                0x380E: 0x07, 0x380F: 0xB0, 0x3814: 0x11, 0x3821: 2, 0x3820: 0, 0x350B: 32,
+                # 20 ms of 87.5 MHz in lines of 2844: 615.3.
+                0x3500: 0, 0x3501: 615 >> 4, 0x3502: (615 & 15) << 4, 0x4800: 4, 0x0100: 1}
+    assert expected.items() <= last_of(plan).items()
+    plan = prepared("ov5647", skip=2, bins=2)
+    # The first row that is read: 6 - 2 * 2.
+    expected = {0x3801: 0, 0x3803: 2, 0x3805: 0x3F, 0x3808: 0x05, 0x3809: 0x10, 0x380A: 0x03,
+                0x380B: 0xCC, 0x380C: 0x07, 0x380D: 0x68, 0x3814: 0x31, 0x3815: 0x31, 0x3821: 3, 0x3820: 0x41,
+                0x3612: 0x59, 0x3618: 0}
+    assert expected.items() <= last_of(plan).items()
+    # 25 MHz / 3 * 72 / 2 on each lane.
+    plan = prepared("ov5647", lane_hz=300_000_000)
+    assert last_of(plan)[0x3036] == 72 and plan.timing.pixel_clock_hz == 60_000_000
+    assert plan.link.lane_hz == 300_000_000
+
+
 @EACH
 def test_exposure_and_gain_are_the_nearest(sensor):
     rng = np.random.default_rng(5)
@@ -218,6 +278,21 @@ LIMITS = [
     ("ov5640", {"width": 640, "height": 480, "frames_per_second": 5},
      "5 frames per second are asked for, the ov5640 sends 5.689 to 38.095 of 640x480"),
     ("ov5640", {"pixel_clock_hz": 95_000_001}, "the PLL of the ov5640 cannot make it"),
+    ("ov5640", {"lane_hz": 400_000_000}, "the lanes have 400000000 bits per second, the ov5640 has "
+     "a parallel port"),
+    ("imx219", {"width": 642}, "width is 642, the imx219 needs a multiple of 4 from 16 to 3280"),
+    ("imx219", {"skip": 2}, "skip is 2 and bins 1, the imx219 has 1 and 1, 2 and 2"),
+    ("imx219", {"lane_hz": 400_000_000}, "the lanes have 400000000 Hz, the imx219 makes 456000000 "
+     "to 912000000 in steps of 8000000"),
+    ("imx219", {"pixel_clock_hz": 182_000_000}, "the pixel clock is 182000000 Hz, the imx219 makes "
+     "182400000 to 281600000 in steps of 3200000"),
+    ("imx219", {"gain_db": 45}, "the gain is 45 dB, the imx219 has 0.0 to 44.6 dB"),
+    ("imx219", {"clock_hz": -24_000_000}, "of its clock of -24000000 Hz"),
+    ("ov5647", {"pixel_clock_hz": 50_000_000}, "the pixel clock is 50000000 Hz, the ov5647 makes "
+     "58333333 to 87500000 in steps of 833333"),
+    ("ov5647", {"pixel_clock_hz": 60_000_000, "lane_hz": 299_000_000},
+     "the lanes have 299000000 Hz and the pixel clock 60000000 Hz"),
+    ("ov5647", {"clock_hz": -25_000_000}, "of its clock of -25000000 Hz"),
 ]
 
 
@@ -229,18 +304,21 @@ def test_a_limit_is_reported(name, asked, sentence):
 
 
 def test_an_unknown_sensor():
-    with pytest.raises(InputError, match="'ov2640', known are mt9p031, mt9d111, ov5640"):
+    known = "'ov2640', known are mt9p031, mt9d111, ov5640, imx219, ov5647"
+    with pytest.raises(InputError, match=known):
         sensor_named("ov2640")
 
 
 def test_bayer_phase():
     assert [bayer_at("GRBG", left, top) for top in (0, 1) for left in (0, 1)] == [
         "GRBG", "RGGB", "BGGR", "GBRG"]
-    # The MT9P031 reads the same pixels backwards, the others begin one further.
+    # Some read the same pixels backwards, the others begin one further.
     small = {"width": 64, "height": 48}
-    phases = [prepared("mt9p031", mirror_columns=x, mirror_rows=y, **small).bayer
-              for y in (False, True) for x in (False, True)]
-    assert phases == ["GRBG", "RGGB", "BGGR", "GBRG"]
+    for name, expected in (("mt9p031", ["GRBG", "RGGB", "BGGR", "GBRG"]),
+                           ("imx219", ["RGGB", "GRBG", "GBRG", "BGGR"]),    # both as Linux has it
+                           ("ov5647", ["GBRG", "BGGR", "RGGB", "GRBG"])):
+        assert [prepared(name, mirror_columns=x, mirror_rows=y, **small).bayer
+                for y in (False, True) for x in (False, True)] == expected
     for name, bayer in (("mt9d111", "GRBG"), ("ov5640", "BGGR")):
         assert {prepared(name, mirror_columns=x, mirror_rows=y, **small).bayer
                 for y in (False, True) for x in (False, True)} == {bayer}
@@ -264,7 +342,7 @@ def test_reduced_columns_and_rows_keep_their_colours(sensor):
     """Which pixels are read, counted one by one, and the phase that they give a frame."""
     for skip, bins in sensor.limits.reductions:
         left, top = ((8 - first) % (2 * bins) + 8 for first in sensor.first)
-        plan = setup(sensor, Settings(left=left, top=top, width=18, height=16, skip=skip,
+        plan = setup(sensor, Settings(left=left, top=top, width=20, height=16, skip=skip,
                                       bins=bins))
         for positions, begin in ((plan.columns, left), (plan.rows, top)):
             read = [begin + 2 * skip * group + column for group in range(len(positions) // 2)
@@ -294,12 +372,12 @@ def test_users_write_what_no_frame_depends_on(sensor):
     free = {one.address for one in sensor.user_registers}
     for change in ({"width": 320}, {"height": 240}, {"left": 64, "top": 32},
                    {"frames_per_second": 20.0}, {"mirror_columns": True, "mirror_rows": True},
-                   {"skip": 2}):
+                   dict(zip(("skip", "bins"), sensor.limits.reductions[0]))):
         other = dict(setup(sensor, replace(first, **change)).pairs)
         changed = {register for register in other if other[register] != plain.get(register)}
         assert changed, change
         # The exposure counts lines, whose length follows width and skipping.
-        longer = change in ({"width": 320}, {"skip": 2})
+        longer = "width" in change or "skip" in change
         assert longer or not changed & free, (change, changed & free)
     for change in ({"exposure_us": 500.0}, {"gain_db": 6.0}):
         other = dict(setup(sensor, replace(first, **change)).pairs)

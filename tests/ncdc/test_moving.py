@@ -38,7 +38,8 @@ def simulate(folder, *options, image="photo.png", output="moving.png"):
     (("--exposure-us", "nan"), "the exposure is nan us"),
     (("--tone", "sRGB"), "--tone is given with --sensor mt9p031, which does not take it"),
     (("--line-clocks", "90"), "--line-clocks is given with --sensor mt9p031"),
-    (("--sensor", "mt9"), "the sensor is 'mt9', known are mt9p031, mt9d111, ov5640"),
+    (("--sensor", "mt9"), "the sensor is 'mt9', known are mt9p031, mt9d111, ov5640, imx219, "
+     "ov5647"),
 ])
 def test_what_is_rejected(folder, capsys, options, sentence):
     assert simulate(folder, *options) == 2

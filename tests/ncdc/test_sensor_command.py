@@ -46,7 +46,8 @@ int main(void) {{
 
 
 @pytest.mark.parametrize("arguments,sentence", [
-    (["ov2640"], "the sensor is 'ov2640', known are mt9p031, mt9d111, ov5640"),
+    (["ov2640"], "the sensor is 'ov2640', known are mt9p031, mt9d111, ov5640, imx219, "
+     "ov5647"),
     (["mt9p031", "--width", "641"], "width is 641"),
     (["mt9p031", "--c", "."], "."),
 ])

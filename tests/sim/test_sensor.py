@@ -29,7 +29,7 @@ def random_settings(name, seed):
                  for size, part in ((sensor.columns, width), (sensor.rows, height)))
     # MT9D111: the last column and row have no neighbour to begin with when mirrored.
     asked = {"width": width, "height": height, "left": max(0, left - 2), "top": max(0, top - 2),
-             "exposure_us": float(rng.uniform(60, 400)), "gain_db": float(rng.uniform(0, 30)),
+             "exposure_us": float(rng.uniform(120, 400)), "gain_db": float(rng.uniform(0, 30)),
              "mirror_columns": bool(rng.integers(2)), "mirror_rows": bool(rng.integers(2))}
     return asked, random_light((2, height, width - 2), seed, asked["left"] + 1, asked["top"],
                                int(rng.integers(10_000, 400_000)))
@@ -44,7 +44,7 @@ def random_reduced(name, skip, bins, seed):
                  for size, part, first in zip((sensor.columns, sensor.rows), (width, height),
                                               sensor.first))
     asked = {"width": width, "height": height, "left": left, "top": top, "skip": skip, "bins": bins,
-             "exposure_us": float(rng.uniform(60, 400)), "gain_db": float(rng.uniform(0, 30))}
+             "exposure_us": float(rng.uniform(120, 400)), "gain_db": float(rng.uniform(0, 30))}
     # Some pixels of a mean lie outside of it, on each side.
     return asked, random_light((2, skip * height - 3, skip * width - 5), seed, left + 1, top + 1,
                                int(rng.integers(10_000, 400_000)))

@@ -13,6 +13,7 @@ from ncdc_model.raw_lens import raw_lens
 from ncdc_spec.errors import InputError
 from ncdc_spec.frames import BGR8, output_format
 from ncdc_spec.hardware import Hardware
+from ncdc_spec.sensors.catalogue import sensor_named
 from ncdc_spec.sensors.field import FULL
 from ncdc_spec.sensors.framing import grid_row, setup_around
 from ncdc_spec.sensors.waking import wake_times
@@ -35,7 +36,10 @@ def hardware_for(board, lanes=1, colour=False):
 
 def sensor_for(name, geometry, *, pixel_clock_hz=0, **settings):
     """:func:`~ncdc_spec.sensors.framing.setup_around` with the boards' clock to the sensor, which
-    is by default also the pixel clock. ``settings``: ``field``, and those of the sensor."""
+    is by default also the pixel clock; modules with CSI-2 have their own. ``settings``: ``field``,
+    and those of the sensor."""
+    if sensor_named(name).lanes:
+        return setup_around(name, geometry, pixel_clock_hz=pixel_clock_hz, **settings)
     return setup_around(name, geometry, clock_hz=SENSOR_CLOCK_HZ,
                         pixel_clock_hz=pixel_clock_hz or SENSOR_CLOCK_HZ, **settings)
 

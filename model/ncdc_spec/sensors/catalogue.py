@@ -1,11 +1,12 @@
 """The image sensors that we know, by name."""
 
 from ncdc_spec.errors import InputError
-from ncdc_spec.sensors import mt9d111, mt9p031, ov5640
+from ncdc_spec.sensors import imx219, mt9d111, mt9p031, ov5640, ov5647
 
 __all__ = ["SENSORS", "sensor_named", "setup"]
 
-_MODULES = {module.SENSOR.name: module for module in (mt9p031, mt9d111, ov5640)}
+_MODULES = {module.SENSOR.name: module for module in (
+    mt9p031, mt9d111, ov5640, imx219, ov5647)}
 SENSORS = tuple(module.SENSOR for module in _MODULES.values())
 
 

@@ -75,7 +75,8 @@ def setup_around(name, geometry, *, field=None, clock_hz=None, **settings):
         largest one of their shape. A corner is moved to the nearest one that the colours allow.
         None: the middle, pixel by pixel.
     clock_hz : int, optional
-        At the sensor's clock pin; by default its usual pixel clock, so that no PLL is needed.
+        At the sensor's clock pin; by default its usual pixel clock, so that no PLL is needed. A
+        sensor with CSI-2 has its usual clock.
     settings :
         More of :class:`Settings`.
 
@@ -91,7 +92,8 @@ def setup_around(name, geometry, *, field=None, clock_hz=None, **settings):
         wanted = Field(tuple(max(ways) * part for part in geometry.distorted))
     way = _way_to(sensor, geometry, wanted, ways)
     _check_corner(sensor, wanted)
-    common = {"clock_hz": clock_hz or sensor.pixel_clock_hz, **settings}
+    usual = sensor.clock_hz if sensor.lanes else sensor.pixel_clock_hz
+    common = {"clock_hz": clock_hz or usual, **settings}
     return _smooth([_positioned(sensor, geometry, way, bins, wanted, common)
                     for bins in _bins(sensor, geometry, way)])
 
@@ -144,7 +146,7 @@ def _sent(sensor, geometry, way):
     step = max(2, sensor.limits.step)
     # One more for a corner of the other colour; whole pairs; those that an even grid drops.
     extra = _DROPPED if way.reduction > 1 else 0
-    return [(-(-(part + 1) // step) * step + extra) << way.binning for part in geometry.distorted]
+    return [-(-(part + 1 + extra) // step) * step << way.binning for part in geometry.distorted]
 
 
 def _corners(sensor, geometry, way, bins):

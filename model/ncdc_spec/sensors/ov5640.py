@@ -31,6 +31,7 @@ from ncdc_spec.sensors.sensor import (
     frame_lines,
     pattern_mode,
     resolved,
+    wide,
 )
 from ncdc_spec.sensors.waking import Waking
 
@@ -110,10 +111,10 @@ def setup(settings):
         Write(0x3820, bins | (_MIRROR if asked.mirror_rows else 0),
               "rows mirrored: bits 2, 1 set; bit 0: binned"),
         Write(0x3503, 0b11, "exposure and gain by hand"),
-        *_wide(0x350C, 0, "no lines for long exposures"),
+        *wide(0x350C, 0, "no lines for long exposures"),
         Write(0x3500, lines >> 12, "exposure, sixteenths of lines"),
         Write(0x3501, lines >> 4 & 0xFF, "exposure"), Write(0x3502, lines << 4 & 0xFF, "exposure"),
-        *_wide(0x350A, gain, "gain, sixteenths"),
+        *wide(0x350A, gain, "gain, sixteenths"),
         Write(0x4300, 0x00, "raw"), Write(0x501F, 0x03, "raw, of the defect correction"),
         Write(0x5000, 0x06, "no lens correction, no gamma; defects are corrected"),
         Write(0x5001, 0x00, "no white balance, no colour matrix, no scaling"),
@@ -139,11 +140,6 @@ def _increments(skip):
             Write(0x3815, _INCREMENTS[skip], f"{which} row" + "s" * (skip > 1)))
 
 
-def _wide(register, value, meaning):
-    """Both writes of a number in two registers."""
-    return (Write(register, value >> 8, meaning), Write(register + 1, value & 0xFF, meaning))
-
-
 def _window(asked, half_line, total):
     """Window, line and frame; what is read has a margin of 16 columns and 4 rows on each side."""
     skip = asked.skip
@@ -156,7 +152,7 @@ def _window(asked, half_line, total):
         (0x380C, half_line, "clocks of a line"), (0x380E, total, "lines of a frame"),
         (0x3810, _MARGIN_LEFT // skip, "margin, samples"),
         (0x3812, _MARGIN_TOP // skip, "margin, samples"))
-        for write in _wide(register, value, meaning)]
+        for write in wide(register, value, meaning)]
 
 
 def _clock(asked):

@@ -5,13 +5,17 @@ from fractions import Fraction
 from math import log10
 
 from ncdc_spec.errors import InputError
+from ncdc_spec.sensors.csi2 import SAMPLE_BITS_OF, DataType
 from ncdc_spec.sensors.waking import Waking
 
-__all__ = ["Limits", "Sensor", "Settings", "Setup", "Timing",
+__all__ = ["Limits", "Link", "Sensor", "Settings", "Setup", "Timing",
            "UserRegister", "Write", "bayer_at", "check_window",
-           "exposure_lines", "factor_of", "frame_lines", "pattern_mode", "resolved"]
+           "exposure_lines", "factor_of", "frame_lines", "pattern_mode", "resolved", "wide"]
 
 UNITY_GAIN = 256        # of ``gain_256``
+# MIPI D-PHY: T_HS-EXIT, T_LPX twice, T_HS-PREPARE with T_HS-ZERO and T_HS-TRAIL are 0.5 us in all
+# at 400 Mb/s; header and checksum of a row 0.1 us. Sensors take their time.
+_ROW_PAUSE_S = 1.5e-6
 
 
 @dataclass(frozen=True)
@@ -110,6 +114,8 @@ class Sensor:
         Address of the first active column, and row, from which binned groups are counted.
     waking : Waking
         Reset and rest before the first access.
+    lanes : int
+        CSI-2 data lanes; 0: the port is parallel.
     """
     name: str
     title: str
@@ -130,6 +136,7 @@ class Sensor:
     user_registers: tuple = ()
     first: tuple = (0, 0)
     waking: Waking = None
+    lanes: int = 0
 
     def user_takes(self, address, value):
         """Whether a user of a network may write ``value`` to ``address``; None: to no value."""
@@ -165,6 +172,9 @@ class Settings:
         Active columns per sample, and rows.
     bins : int
         Columns whose mean is a sample, and rows; at most ``skip``.
+    lane_hz : int
+        Bits per second of a CSI-2 lane; 0: the sensor's usual ones, or those that
+        ``pixel_clock_hz`` makes.
     """
     width: int = 0
     height: int = 0
@@ -180,6 +190,7 @@ class Settings:
     pixel_clock_hz: int = 0
     skip: int = 1
     bins: int = 1
+    lane_hz: int = 0
 
 
 @dataclass(frozen=True)
@@ -219,6 +230,30 @@ class Timing:
 
 
 @dataclass(frozen=True)
+class Link:
+    """How a sensor sends its samples over CSI-2.
+
+    Parameters
+    ----------
+    lanes : int
+    lane_hz : int
+        Bits per second of a lane.
+    data_type : DataType
+        Of the packets with rows.
+    embedded_rows : int
+        Packets of embedded data before the first row of a frame.
+    """
+    lanes: int
+    lane_hz: int
+    data_type: DataType
+    embedded_rows: int = 0
+
+    def row_seconds(self, width):
+        """Seconds that a row of ``width`` samples takes, with the pause after it."""
+        return width * SAMPLE_BITS_OF[self.data_type] / (self.lanes * self.lane_hz) + _ROW_PAUSE_S
+
+
+@dataclass(frozen=True)
 class Setup:
     """What makes a sensor do what is asked, and what it then does exactly.
 
@@ -234,6 +269,8 @@ class Setup:
         Pixel clocks.
     gain_256 : int
         256 is 1.
+    link : Link or None
+        None: a parallel port.
     """
     sensor: Sensor
     settings: Settings
@@ -241,6 +278,7 @@ class Setup:
     timing: Timing
     exposure_clocks: int
     gain_256: int
+    link: Link | None = None
 
     def report(self):
         """The figures under their names in every report."""
@@ -253,7 +291,8 @@ class Setup:
             "exposure_us": self.exposure_us, "gain_db": self.gain_db, "bayer": self.bayer,
             "black": sensor.black, "line_clocks": timing.line_clocks,
             "frame_lines": timing.frame_lines, "pixel_clock_hz": timing.pixel_clock_hz,
-            "frames_per_second": timing.frames_per_second}
+            "frames_per_second": timing.frames_per_second,
+            **(asdict(self.link) if self.link else {})}
 
     @property
     def pairs(self):
@@ -312,21 +351,25 @@ def resolved(sensor, settings):
     window is out of the sensor's limits."""
     _check_reduction(sensor, settings)
     given = vars(settings) | {
-        "width": settings.width or _samples(sensor.columns - settings.left, settings.skip),
-        "height": settings.height or _samples(sensor.rows - settings.top, settings.skip),
+        "width": settings.width or _samples(sensor, sensor.columns - settings.left, settings.skip),
+        "height": settings.height or _samples(sensor, sensor.rows - settings.top, settings.skip),
         "clock_hz": settings.clock_hz or sensor.clock_hz,
         "pixel_clock_hz": settings.pixel_clock_hz or sensor.pixel_clock_hz}
     settings = Settings(**given)
     if not 0 < settings.pixel_clock_hz <= sensor.limits.pixel_clock_hz:
         raise InputError(f"the pixel clock is {settings.pixel_clock_hz} Hz, the {sensor.name} has "
                          f"at most {sensor.limits.pixel_clock_hz} Hz")
+    if settings.lane_hz and not sensor.lanes:
+        raise InputError(f"the lanes have {settings.lane_hz} bits per second, the {sensor.name} "
+                         "has a parallel port")
     check_window(sensor, settings)
     return settings
 
 
-def _samples(active, skip):
+def _samples(sensor, active, skip):
     """Samples sent of ``active`` columns: of whole groups, if the sensor reduces."""
-    return active if skip == 1 else active // (2 * skip) * 2
+    step = max(sensor.limits.step, 2 if skip > 1 else 1)
+    return active // skip // step * step
 
 
 def _check_reduction(sensor, settings):
@@ -339,6 +382,11 @@ def _check_reduction(sensor, settings):
     if settings.skip > 1 and (settings.mirror_columns or settings.mirror_rows):
         raise InputError(f"skip is {settings.skip}, the {sensor.name} mirrors unreduced frames "
                          "only: data sheets leave open which pixels a reduced one has")
+
+
+def wide(register, value, meaning):
+    """Both writes of a number of 16 bits in two registers of 8, the upper one first."""
+    return (Write(register, value >> 8, meaning), Write(register + 1, value & 0xFF, meaning))
 
 
 def check_window(sensor, settings):

@@ -1,4 +1,5 @@
-// A parallel CMOS image sensor: I2C target with its registers, and frames from a file at its pins.
+// A CMOS image sensor: I2C target with its registers, and frames from a file at its pins. Of one with
+// CSI-2 these are the samples before its transmitter, csi2_transmitter.v.
 //
 //   sensor_i2c         I2C target: writes and reads of registers
 //   sensor_waking      reset and rest before it answers, and a sensor that is unplugged
@@ -12,7 +13,7 @@
 // A model of what a user of the sensor sees, with these simplifications: settings are taken at the
 // beginning of a frame, none later; a sensor that is switched off stops at once; there is no
 // automatic exposure and no noise. It skips and bins as far as ours are set up to, columns and rows
-// alike: the MT9P031 by 2 to 7, the others by 2.
+// alike: the MT9P031 by 2 to 7, the others by 2. `extclk` of a sensor with CSI-2 counts its pixels.
 //
 // Plusargs, all of which may be absent; numbers are decimal:
 //   sensor_file=<name>       samples, 16 bits each, the low byte first, row by row, frame by frame
@@ -32,7 +33,7 @@
 `timescale 1ns/1ps
 
 module sensor #(
-    parameter SENSOR = "mt9p031"        // or "mt9d111" or "ov5640"
+    parameter SENSOR = "mt9p031"        // or "mt9d111", "ov5640", "imx219", "ov5647"
 ) (
     input  wire        extclk,          // pixel clock
     input  wire        reset_n,
@@ -59,15 +60,17 @@ module sensor #(
     wire [11:0]        black;
 
     localparam MT9P031 = SENSOR == "mt9p031", MT9D111 = SENSOR == "mt9d111";
-    localparam OV5640 = SENSOR == "ov5640";
-    localparam [6:0] ADDRESS = MT9P031 ? 7'h5D : MT9D111 ? 7'h48 : 7'h3C;
-    localparam WIDE_POINTER = OV5640, WIDE_VALUE = !OV5640;
+    localparam OV5640 = SENSOR == "ov5640", IMX219 = SENSOR == "imx219", OV5647 = SENSOR == "ov5647";
+    localparam [6:0] ADDRESS = MT9P031 ? 7'h5D : MT9D111 ? 7'h48 : OV5640 ? 7'h3C
+        : IMX219 ? 7'h10 : 7'h36;
+    localparam WIDE_VALUE = MT9P031 || MT9D111, WIDE_POINTER = !WIDE_VALUE;
     localparam BITS = MT9P031 ? 12 : 10;
     // Before the first access. MT9P031: Linux, mt9p031.c. OV5640: data sheet, power up sequence, t3 and
-    // t4. MT9D111: not found; taken for that of the OV5640.
-    localparam RESET_US = 1000, REST_US = MT9P031 ? 0 : 20000, REST_CLOCKS = MT9P031 ? 850000 : 0;
+    // t4. MT9D111: not found; taken for that of the OV5640. IMX219, OV5647: Linux, imx219.c and ov5647.c.
+    localparam RESET_US = IMX219 ? 0 : 1000, REST_US = MT9P031 ? 0 : IMX219 ? 6200 : 20000;
+    localparam REST_CLOCKS = MT9P031 ? 850000 : 0;
     // Parities of the red pixels, counted from the first active one.
-    localparam RED_COLUMN = 1, RED_ROW = OV5640;
+    localparam RED_COLUMN = !IMX219 && !OV5647, RED_ROW = OV5640 || OV5647;
 
     wire plugged, awake, running;
     sensor_waking #(
@@ -98,7 +101,21 @@ module sensor #(
 `include "sensor_connections.vh"
         );
     end endgenerate
-    initial if (!MT9P031 && !MT9D111 && !OV5640) begin
+    generate if (IMX219) begin : chip_imx219
+        sensor_imx219 registers (
+            .clk(extclk), .reset_n(powered), .write(write), .pointer(pointer), .value(value),
+            .answer(answer),
+`include "sensor_connections.vh"
+        );
+    end endgenerate
+    generate if (OV5647) begin : chip_ov5647
+        sensor_ov5647 registers (
+            .clk(extclk), .reset_n(powered), .write(write), .pointer(pointer), .value(value),
+            .answer(answer),
+`include "sensor_connections.vh"
+        );
+    end endgenerate
+    initial if (!MT9P031 && !MT9D111 && !OV5640 && !IMX219 && !OV5647) begin
         $display("SENSOR-ERROR no sensor %0s", SENSOR);
         $finish;
     end
