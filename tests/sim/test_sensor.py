@@ -38,7 +38,9 @@ def random_settings(name, seed):
 def random_reduced(name, skip, bins, seed):
     """Fields of Settings of a small window, read reduced, and light of most of its pixels."""
     sensor, rng = sensor_named(name), np.random.default_rng(seed)
-    width, height = (2 * int(rng.integers(least, least + 6)) for least in (9, 8))
+    step = sensor.limits.step
+    width, height = (-(-2 * int(rng.integers(least, least + 6)) // step) * step
+                     for least in (9, 8))
     left, top = (2 * bins * int(rng.integers(2, (size - skip * part) // (2 * bins)))
                  - first % (2 * bins)
                  for size, part, first in zip((sensor.columns, sensor.rows), (width, height),
