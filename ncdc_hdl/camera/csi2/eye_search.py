@@ -98,13 +98,12 @@ class EyeSearch(wiring.Component):
         step, position = Signal(range(self.steps)), Signal(range(self.steps))
         clocks, pulses = Signal(6), Signal(range(self.stride))
         phase = Signal(3)                       # of a pulse
-        clear = Signal()
+        clear, measured = Signal(), Signal()    # of the eyes; a step is over
         done, right = self._measured(m, ended, good, clear)
-        eyes = self._eyes(m, step, right, done, clear)
+        eyes = self._eyes(m, step, right, measured, clear)
         fine = Cat(eye.width >= _MIN_STEPS for eye in eyes).all()
         late, unstable = self._late(m, ended[0]), self._unstable(m, ended, good)
         m.d.sync += [clocks.eq(0), phase.eq(0), self.move.eq(0), self.ready.eq(0)]
-        m.d.comb += clear.eq(0)
         with m.FSM():
             with m.State("START"):
                 m.d.comb += clear.eq(1)
@@ -117,6 +116,7 @@ class EyeSearch(wiring.Component):
                 with m.If(late):
                     m.next = "START"
                 with m.Elif(done):
+                    m.d.comb += measured.eq(1)
                     m.next = "STEP"
             with m.State("STEP"):
                 m.d.sync += [step.eq(step + 1), position.eq(0)]
@@ -175,12 +175,12 @@ class EyeSearch(wiring.Component):
             m.d.sync += [some.eq(0), bad.eq(0)]
         return done, some & ~bad
 
-    def _eyes(self, m, step, right, done, clear):
+    def _eyes(self, m, step, right, measured, clear):
         """The eye of each lane, from the steps so far."""
         for k, eye in enumerate(self.eyes):
             m.submodules[f"run{k}"] = run = _LongestRun()
             m.d.comb += [run.clear.eq(clear), run.step.eq(step), run.right.eq(right[k]),
-                         run.valid.eq(done), eye.eq(run.eye)]
+                         run.valid.eq(measured), eye.eq(run.eye)]
         return self.eyes
 
     def _pulsed(self, m, phase, pulses):

@@ -44,10 +44,10 @@ module csi2_transmitter #(
     reg [15:0] check, frame;
     integer    k;
 
-    function [15:0] crc(input [15:0] before, input [7:0] value);
+    function [15:0] crc(input [15:0] sum_before, input [7:0] value);
         integer bit_number;
         begin
-            crc = before;
+            crc = sum_before;
             for (bit_number = 0; bit_number < 8; bit_number = bit_number + 1)
                 crc = (crc >> 1) ^ (crc[0] ^ value[bit_number] ? 16'h8408 : 16'h0000);
         end

@@ -1,7 +1,7 @@
 // Models of the ECP5's cells that a design for a board names itself, written from their descriptions
 // in Lattice, "ECP5 and ECP5-5G sysI/O Usage Guide" (FPGA-TN-02032), "... High-Speed I/O Interface"
 // (FPGA-TN-02035) and "... sysCLOCK PLL/DLL Design and Usage Guide" (FPGA-TN-02200). No delays but
-// those of clocks.
+// those of clocks, of DELAYF, and the time around its clock in which IDDRX2F needs its input stable.
 
 `timescale 1ps/1ps
 
@@ -66,6 +66,83 @@ module DELAYG #(parameter DEL_MODE = "USER_DEFINED") (input wire A, output wire 
     initial
         if (DEL_MODE != "SCLK_CENTERED") $display("BOARD-ERROR a delay of mode %0s", DEL_MODE);
     assign Z = A;
+endmodule
+
+// A delay at a pin that is set while the design runs: 128 steps of 25 ps. LOADN loads DEL_VALUE, the end
+// of each pulse of MOVE is a step.
+module DELAYF #(
+    parameter DEL_MODE = "USER_DEFINED", parameter integer DEL_VALUE = 0
+) (
+    input wire A, input wire LOADN, input wire MOVE, input wire DIRECTION, output wire Z,
+    output wire CFLAG
+);
+    integer value;
+    reg     z0, z1, z2, z3;             // a quarter of the delay each: Verilator delays one change at a time
+    initial begin
+        value = DEL_VALUE;
+        if (DEL_MODE != "USER_DEFINED") $display("BOARD-ERROR a delay of mode %0s", DEL_MODE);
+    end
+    assign CFLAG = value == (DIRECTION ? 0 : 127);
+    always @(negedge MOVE or negedge LOADN)
+        if (!LOADN) value = DEL_VALUE;
+        else if (!CFLAG) value = value + (DIRECTION ? -1 : 1);
+    always @(A) z0 <= #(25 * value / 4) A;
+    always @(z0) z1 <= #(25 * value / 4) z0;
+    always @(z1) z2 <= #(25 * value / 4) z1;
+    always @(z2) z3 <= #(25 * value / 4) z2;
+    assign Z = z3;
+endmodule
+
+// An edge clock's gate: whole pulses only, three edges after STOP.
+module ECLKSYNCB (input wire ECLKI, input wire STOP, output wire ECLKO);
+    reg [2:0] open;
+    initial open = 0;
+    always @(negedge ECLKI) open <= {open[1:0], !STOP};
+    assign ECLKO = ECLKI & open[2];
+endmodule
+
+module CLKDIVF #(
+    parameter GSR = "DISABLED", parameter DIV = "2.0"
+) (input wire CLKI, input wire RST, input wire ALIGNWD, output reg CDIVX);
+    initial begin
+        CDIVX = 0;
+        if (DIV != "2.0") $display("BOARD-ERROR a divider by %0s", DIV);
+    end
+    always @(posedge CLKI or posedge RST)
+        if (RST) CDIVX <= 0;
+        else CDIVX <= !CDIVX;
+endmodule
+
+// Four bits a clock, of both edges of ECLK, which is twice as fast; Q0 came first. An input that changes
+// within 0.32 ns of an edge gives a random bit: set-up and hold time of GDDRX2_RX.ECLK.Centered
+// (FPGA-TN-02035), taken for those of the cell.
+module IDDRX2F (
+    input wire D, input wire ECLK, input wire SCLK, input wire RST, input wire ALIGNWD,
+    output reg Q0, output reg Q1, output reg Q2, output reg Q3
+);
+    localparam real STABLE = 320;       // ps
+    reg [3:0] bits, held;               // the last one highest
+    real      changed, edge_at;
+    initial begin bits = 0; held = 0; changed = 0; edge_at = 0; {Q3, Q2, Q1, Q0} = 0; end
+    task sample;
+        begin
+            bits = {$realtime - changed < STABLE ? $random : D, bits[3:1]};
+            edge_at = $realtime;
+        end
+    endtask
+    always @(D) begin
+        changed = $realtime;
+        if ($realtime - edge_at < STABLE)
+            bits[3] = $random;
+    end
+    always @(posedge ECLK) begin
+        held <= bits;
+        sample;
+    end
+    always @(negedge ECLK) sample;
+    always @(posedge SCLK or posedge RST)
+        if (RST) {Q3, Q2, Q1, Q0} <= 0;
+        else {Q3, Q2, Q1, Q0} <= held;
 endmodule
 
 // A flip-flop that is set at once.
