@@ -1,4 +1,4 @@
-"""The PHY of an ECP5's cells at the wires of a CSI-2 sensor: it finds the eyes, frames are right."""
+"""The PHY of an ECP5's cells at the wires of a CSI-2 sensor: it finds the eyes of its lanes."""
 
 import pytest
 
@@ -40,7 +40,7 @@ def test_a_clock_that_starts_late():
 
 @pytest.mark.longer
 def test_no_eye_no_frame():
-    """Jitter of nearly a bit leaves no delay at which sync bytes are right: nothing is handed on."""
+    """Jitter of nearly a bit leaves no delay at which sync bytes are right: no frame comes."""
     run = run_phy(FRAMES, csi2_jitter_ps=1900)
     assert not run.results["ready"] and run.results["failures"] and not run.frames
 

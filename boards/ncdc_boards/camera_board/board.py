@@ -80,6 +80,8 @@ class CameraBoard:
         Those for which it has block RAM.
     pattern_bits : int
         Bits of block RAM for a test pattern instead of a sensor; 0: it is not supported.
+    csi_lane_hz : int
+        Most bits per second of a lane of a sensor with CSI-2; 0: it is not supported.
     """
     name: str
     title: str
@@ -99,6 +101,7 @@ class CameraBoard:
     byte_masks: bool = True
     interpolations: tuple = tuple(INTERPOLATIONS)
     pattern_bits: int = 0
+    csi_lane_hz: int = 0
 
     commands = "build", "plan"
     user_files = ()
@@ -134,7 +137,7 @@ class CameraBoard:
     def _sensor(self, descriptor, request):
         """The sensor's setup and crop; the pattern that stands for it, or None."""
         if request.sensor != PATTERN:
-            return requested_sensor(request, descriptor.geometry), None
+            return requested_sensor(request, descriptor.geometry, self), None
         check_pattern(self, descriptor.geometry)
         if request.settings:
             raise InputError(f"{' and '.join(request.settings)} of the sensor {PATTERN} cannot be "

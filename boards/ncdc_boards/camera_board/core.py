@@ -13,6 +13,7 @@ from ncdc_boards.camera_board.waking import Times, Waker
 from ncdc_boards.sdram.controller import SdramController
 from ncdc_boards.sdram.layouts import SdramPins
 from ncdc_hdl.avalon.bus import Agent, WriteHost
+from ncdc_hdl.camera.csi2.layouts import LANE
 from ncdc_hdl.camera.layouts import PINS
 from ncdc_hdl.lib.ports import ports_as
 from ncdc_hdl.link.processor import ProcessorLink, ProcessorPort
@@ -82,6 +83,11 @@ class Design:
     pattern: PatternSensor = None
 
     @property
+    def link(self):
+        """The :class:`~ncdc_spec.sensors.sensor.Link` of a sensor with CSI-2, else None."""
+        return self.sensor[0].link
+
+    @property
     def core_hz(self):
         """Frequency of the core's clock in Hz."""
         return round(self.clocks.core_mhz * 1e6)
@@ -101,6 +107,8 @@ class BoardCore(wiring.Component):
     -------
     sensor_clock, sensor : ``In(1)``, ``In(PINS)``
         At the sensor's pins.
+    lanes : ``In(LANE).array(lanes)``
+        Of a sensor with CSI-2, instead of ``sensor``; ``sensor_clock`` is that of their bytes.
     sensor_reset_n : ``Out(1)``
     scl, sda, scl_low, sda_low : ``In(1)``, ``Out(1)``
         Lines of the I2C bus to the sensor, and outputs that pull them low.
@@ -134,7 +142,9 @@ class BoardCore(wiring.Component):
                                       max_burst=max(design.screen_burst, _BURST),
                                       late=_WIRES_LATE)
         super().__init__({
-            "sensor_clock": In(1), "sensor": In(PINS), "sensor_reset_n": Out(1),
+            "sensor_clock": In(1), "sensor_reset_n": Out(1),
+            **({"lanes": In(LANE).array(design.link.lanes)} if design.link
+               else {"sensor": In(PINS)}),
             "scl": In(1), "sda": In(1), "scl_low": Out(1), "sda_low": Out(1), "again": In(1),
             "sdram": Out(SdramPins(board.chip)), "receive": In(1), "send": Out(1),
             **({"picture": Out(PICTURE), **dict.fromkeys(BUTTONS, In(1))} if screen else {}),
@@ -200,11 +210,15 @@ class BoardCore(wiring.Component):
     def _sensor(self, m):
         """The sensor and its :class:`Waker`."""
         system = self.design.system
+        if self.design.link:
+            for k, lane in enumerate(self.lanes):
+                m.d.comb += [getattr(system, f"sensor_lane{k}_{name}").eq(getattr(lane, name))
+                             for name in LANE.members]
+        else:
+            m.d.comb += [getattr(system, f"sensor_{name}").eq(getattr(self.sensor, name))
+                         for name in PINS.members]
         m.d.comb += [
             system.sensor_clock.eq(self.sensor_clock),
-            system.sensor_frame_valid.eq(self.sensor.frame_valid),
-            system.sensor_line_valid.eq(self.sensor.line_valid),
-            system.sensor_data.eq(self.sensor.data),
             system.scl.eq(self.scl), system.sda.eq(self.sda),
             self.scl_low.eq(system.scl_low), self.sda_low.eq(system.sda_low),
         ]

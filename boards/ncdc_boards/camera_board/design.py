@@ -10,12 +10,14 @@ from ncdc_hdl.export.drivers.lenses import check_lens
 from ncdc_hdl.link.processor import READERS
 from ncdc_hdl.system import System
 from ncdc_model.raw_lens import raw_lens
+from ncdc_spec.camera_port import CSI2, CameraPort
 from ncdc_spec.errors import InputError
 from ncdc_spec.frames import BGR8, output_format
 from ncdc_spec.hardware import Hardware
-from ncdc_spec.sensors.catalogue import sensor_named
+from ncdc_spec.sensors.catalogue import sensor_named, setup
 from ncdc_spec.sensors.field import FULL
 from ncdc_spec.sensors.framing import grid_row, setup_around
+from ncdc_spec.sensors.sensor import Settings
 from ncdc_spec.sensors.waking import wake_times
 
 __all__ = ["READER_OF_HOST", "SENSOR_CLOCK_HZ", "design_of", "hardware_for",
@@ -44,10 +46,24 @@ def sensor_for(name, geometry, *, pixel_clock_hz=0, **settings):
                         pixel_clock_hz=pixel_clock_hz or SENSOR_CLOCK_HZ, **settings)
 
 
-def requested_sensor(request, geometry):
+def requested_sensor(request, geometry, board):
     """:func:`sensor_for` of a :class:`~ncdc_boards.board.Request`, by default with the largest
-    field that fits."""
-    return sensor_for(request.sensor, geometry, **{"field": FULL} | dict(request.settings))
+    field that fits, and with lanes that the board can take.
+
+    Raises
+    ------
+    InputError
+        If the board has no pins for the sensor; as of :func:`sensor_for`.
+    """
+    sensor, settings = sensor_named(request.sensor), {"field": FULL} | dict(request.settings)
+    if sensor.lanes:
+        most = getattr(board, "csi_lane_hz", 0)
+        if not most:
+            raise InputError(f"the sensor {sensor.name} has CSI-2 lanes, the {board.name} takes "
+                             "parallel sensors: the ulx3s takes both")
+        usual = setup(sensor, Settings()).link.lane_hz
+        settings |= {"lane_hz": most} if usual > most else {}
+    return sensor_for(request.sensor, geometry, **settings)
 
 
 def design_of(board, named, sensor, mode, *, hardware=None, core_mhz=None, processor=False,
@@ -99,8 +115,12 @@ def design_of(board, named, sensor, mode, *, hardware=None, core_mhz=None, proce
     clocks = board.clock_plan(mode, core_mhz)
     if processor:
         clocks = replace(clocks, ethernet=True)
+    link, camera = sensor[0].link, CameraPort()
+    if link:
+        clocks = replace(clocks, lane_mhz=link.lane_hz / 1e6)
+        camera = CameraPort(CSI2, link.lanes, aligned=False)
     system = System(descriptor, hardware, readers=1 + processor * READERS,
-                    screens=int(mode is not None), grid=grid_row(*sensor))
+                    screens=int(mode is not None), grid=grid_row(*sensor), camera=camera)
     for path, other in named[1:]:
         check_lens(system.corrector, path, other)
         for what in ("corrected", "distorted"):

@@ -3,7 +3,7 @@
 from amaranth.lib import io
 
 __all__ = ["buffer", "join_buttons", "join_camera", "join_leds", "join_sdram",
-           "join_uart", "request"]
+           "join_sensor_control", "join_uart", "request"]
 
 
 def buffer(m, port):
@@ -47,15 +47,20 @@ def join_camera(m, platform, core):
         core.sensor.frame_valid.eq(buffer(m, wires.fval).i),
         core.sensor.line_valid.eq(buffer(m, wires.lval).i),
         core.sensor.data.eq(buffer(m, wires.d).i),
-        buffer(m, wires.reset_n).o.eq(core.sensor_reset_n),
     ]
     if "standby" in there:          # else it is wired to ground
         m.d.comb += buffer(m, wires.standby).o.eq(0)
+    join_sensor_control(m, core, wires)
+    return wires.xclk
+
+
+def join_sensor_control(m, core, wires):
+    """Reset and I2C bus of a sensor."""
+    m.d.comb += buffer(m, wires.reset_n).o.eq(core.sensor_reset_n)
     for name in ("scl", "sda"):
         line = buffer(m, getattr(wires, name))
         m.d.comb += [line.o.eq(0), line.oe.eq(getattr(core, f"{name}_low")),
                      getattr(core, name).eq(line.i)]
-    return wires.xclk
 
 
 def join_uart(m, platform, core, signals=("rx", "tx")):

@@ -26,7 +26,8 @@ def camera_values(setup, corner, clock_hz, i2c_hz=I2C_HZ):
     :func:`configuration_program`."""
     timing, crop = setup.timing, Crop(*corner)
     grid = {"GRID_WEIGHT": crop.weight, "GRID_BIN": crop.binning} if crop.grid else {}
-    return grid | {
+    lanes = {} if setup.link is None else {"CSI_CHANNEL": 0, "CSI_TYPE": setup.link.data_type}
+    return grid | lanes | {
         "I2C_QUARTER": quarter_clocks(clock_hz, i2c_hz),
         "I2C_LIMIT": round(clock_hz * _HELD_SECONDS),
         "SENT_WIDTH": timing.width, "SENT_HEIGHT": timing.height,

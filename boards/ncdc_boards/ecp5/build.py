@@ -20,7 +20,10 @@ def prepared(design):
 
 def clock_cells(design):
     """(Cell of the device, output) that drives each clock, by the clock's name."""
-    gates = {domain: (f"clocks.{domain}_gate", "CLKO") for domain in design.clocks.targets()}
-    inputs = ({} if design.pattern else {"sensor": "camera_0__pixclk"}) | (
+    lanes = {} if not design.link else {"sensor": ("csi2_phy.byte_clock", "CLKO"),
+                                        "csi_word": ("csi2_phy.word_clock", "CDIVX")}
+    gates = {domain: (f"clocks.{domain}_gate", "CLKO") for domain in design.clocks.targets()
+             if domain not in lanes} | lanes
+    inputs = ({} if design.pattern or design.link else {"sensor": "camera_0__pixclk"}) | (
         {"ethernet_received": "eth_rgmii_0__rx_clk"} if design.processor else {})
     return gates | {name: (f"{port}__io_buffer.buf.buf0", "O") for name, port in inputs.items()}

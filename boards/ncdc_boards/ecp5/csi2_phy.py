@@ -76,8 +76,10 @@ class Ecp5Csi2Phy(wiring.Component):
             "CLKDIVF", p_DIV="2.0", i_CLKI=edge, i_RST=search.reset, i_ALIGNWD=Const(0),
             o_CDIVX=ClockSignal("csi_word"))
         m.d.csi_word += half.eq(~half)
-        m.d.comb += [ClockSignal("csi_byte").eq(half), self.clock.eq(half),
-                     self.ready.eq(search.ready), self.failures.eq(search.failures)]
+        m.submodules.byte_clock = Instance(
+            "DCCA", i_CLKI=half, i_CE=Const(1), o_CLKO=ClockSignal("csi_byte"))
+        m.d.comb += [self.clock.eq(ClockSignal("csi_byte")), self.ready.eq(search.ready),
+                     self.failures.eq(search.failures)]
         m.submodules.ready = FFSynchronizer(search.ready, ready, o_domain="csi_byte")
         for k in range(self.lanes):
             m.d.comb += self.eyes[k].eq(search.eyes[k])

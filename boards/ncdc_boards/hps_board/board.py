@@ -80,7 +80,7 @@ class HpsBoard:
         descriptor = named[0][1]
         mode = mode_holding(descriptor.geometry, request.mode)
         clocks = self.clock_plan(mode, self.core_mhz)
-        sensor = requested_sensor(request, descriptor.geometry)
+        sensor = requested_sensor(request, descriptor.geometry, self)
         hardware = plan(Hardware(data_width=DATA_WIDTH, format=BGR8.name,
                                  multiplier_bits=self.multiplier_bits), descriptor)
         system = System(descriptor, hardware, readers=_READERS, screens=1, grid=grid_row(*sensor))

@@ -3,7 +3,7 @@
 from ncdc_boards.ecp5.board import Ecp5Board
 from ncdc_boards.sdram.chips import ULX3S_32MB
 from ncdc_boards.ulx3s.clocks import CORE_MHZ, clock_plan
-from ncdc_boards.ulx3s.platform import Ulx3sPlatform
+from ncdc_boards.ulx3s.platform import CSI_LANE_HZ, Ulx3sPlatform
 from ncdc_boards.ulx3s.top import Ulx3sTop
 
 __all__ = ["BOARD"]
@@ -13,4 +13,5 @@ BOARD = Ecp5Board(
     chip=ULX3S_32MB, memory_bytes=ULX3S_32MB.bytes, core_mhz=CORE_MHZ, clock_plan=clock_plan,
     top=Ulx3sTop, baud=1_000_000, multiplier_bits=18,
     sources=("amaranth-boards, ulx3s.py", "litex-boards, radiona_ulx3s.py"),
-    pattern_bits=1 << 21)       # of 3.8 million; the largest cores take 1.1
+    pattern_bits=1 << 21,       # of 3.8 million; the largest cores take 1.1
+    csi_lane_hz=CSI_LANE_HZ)

@@ -25,9 +25,11 @@ _PIXEL_TOLERANCE = .005             # VESA, Display Monitor Timing: 0.5 % of the
 @dataclass(frozen=True)
 class ClockPlan:
     """Both loops. ``core`` gives the clocks of core, SDRAM and sensor, and the input of
-    ``video``. That gives five times the pixel clock, the pixel clock, and its feedback."""
+    ``video``. That gives five times the pixel clock, the pixel clock, and its feedback.
+    ``lane_mhz``: Mb/s of the lanes of a sensor with CSI-2, else 0."""
     core: Pll
     video: Pll
+    lane_mhz: float = 0
 
     @property
     def core_mhz(self):
@@ -40,8 +42,9 @@ class ClockPlan:
     def targets(self):
         """MHz of each domain, by its name."""
         core, video = self.core.outputs_mhz, self.video.outputs_mhz
+        lanes = {"sensor": self.lane_mhz / 8, "csi_word": self.lane_mhz / 4}
         return {"sync": core[0], "memory": core[1], "sensor_reference": core[2],
-                "shift": video[0], "pixel": video[1]}
+                "shift": video[0], "pixel": video[1], **(lanes if self.lane_mhz else {})}
 
 
 def clock_plan(mode, core_mhz=CORE_MHZ):

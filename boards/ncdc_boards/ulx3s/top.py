@@ -1,6 +1,7 @@
 """The top of a ULX3S: its clocks and pins, and the core of all boards."""
 
 from amaranth import *
+from amaranth.lib.wiring import connect
 
 from ncdc_boards.camera_board.core import BoardCore
 from ncdc_boards.camera_board.pattern import join_pattern
@@ -10,11 +11,14 @@ from ncdc_boards.camera_board.pins import (
     join_camera,
     join_leds,
     join_sdram,
+    join_sensor_control,
     join_uart,
     request,
 )
 from ncdc_boards.ecp5.cells import clock_out
+from ncdc_boards.ecp5.csi2_phy import Ecp5Csi2Phy, settle_clocks
 from ncdc_boards.ulx3s.clocks import DOMAINS, Ulx3sClocks
+from ncdc_boards.ulx3s.platform import CSI_WIRES
 from ncdc_hdl.video.dvi import Dvi
 
 __all__ = ["Ulx3sTop"]
@@ -46,6 +50,8 @@ class Ulx3sTop(Elaboratable):
         clock_out(m, "memory", join_sdram(m, platform, core))
         if self.design.pattern:
             join_pattern(m, core, self.design.pattern, "sensor_reference")
+        elif self.design.link:
+            self._csi_camera(m, platform, core)
         else:
             clock_out(m, "sensor_reference", join_camera(m, platform, core))
         self._gpdi(m, platform, dvi)
@@ -57,6 +63,19 @@ class Ulx3sTop(Elaboratable):
                                             "gpio17"))
         m.d.comb += buffer(m, esp32.en).o.eq(0)
         return m
+
+    def _csi_camera(self, m, platform, core):
+        """A sensor with CSI-2, whose module has its own clock."""
+        link = self.design.link
+        wires = request(platform, "csi_camera", CSI_WIRES)
+        m.submodules.csi2_phy = phy = Ecp5Csi2Phy(link.lanes)
+        m.d.comb += [
+            phy.pair.eq(buffer(m, wires.clock).i), phy.pairs.eq(buffer(m, wires.lanes).i),
+            phy.low_power.eq(buffer(m, wires.low_power).i),
+            phy.settle.eq(settle_clocks(link.lane_hz)), core.sensor_clock.eq(phy.clock)]
+        for ours, theirs in zip(core.lanes, phy.o):
+            connect(m, theirs, ours)
+        join_sensor_control(m, core, wires)
 
     @staticmethod
     def _gpdi(m, platform, dvi):

@@ -79,7 +79,8 @@ def run_phy(frames, *, lane_hz=456_000_000, edit=lambda text: text, **plusargs):
     SimulationError
         If the Verilog does not compile or the run fails.
     """
-    text = edit(verilog.convert(_PhyReceiver(lane_hz), name="phy_receiver", strip_internal_attrs=True))
+    text = edit(verilog.convert(_PhyReceiver(lane_hz), name="phy_receiver",
+                                strip_internal_attrs=True))
     sources = [("phy_receiver.v", text), *((name, hdl_text(name)) for name in _FILES)]
     program = build("phy", "csi2_phy_bench", sources, optimise="-O0", options=(
         "--timing", "--main", "-CFLAGS", "-std=c++20 -fcoroutines", "-Wno-ZERODLY",

@@ -1,7 +1,7 @@
 // Drives the clocks of a bench under Verilator: a loop in C++ needs no event queue, and no compiler
 // support for coroutines.
 //
-// Every input called clk, extclk, line or pixel is a clock. Plusargs, in ps: <clock>_period, 10000
+// Every input called clk, extclk, lane, line or pixel is a clock. Plusargs, in ps: <clock>_period, 10000
 // without it, 0 if it stands still; <clock>_phase, the time of its first edge, half a period without it.
 
 #include <cstdlib>
@@ -45,6 +45,7 @@ static uint64_t number(int argc, char** argv, const char* name, uint64_t otherwi
 struct Inputs {
     INPUT(clk)
     INPUT(extclk)
+    INPUT(lane)
     INPUT(line)
     INPUT(pixel)
 };
@@ -60,6 +61,7 @@ int main(int argc, char** argv) {
             clocks.push_back({pin, half, number(argc, argv, "+" #name "_phase=", half)});
     CLOCK(clk)
     CLOCK(extclk)
+    CLOCK(lane)
     CLOCK(line)
     CLOCK(pixel)
 #if VM_TRACE

@@ -48,7 +48,8 @@ module csi2_phy_bench;
     wire        byte_clk, pair, idle;
     csi2_transmitter #(.LANES(2), .EMBEDDED(2)) sensor (
         .pixel_clk(pixel_clk), .reset_n(!rst), .frame_valid(frame_valid), .line_valid(line_valid),
-        .data(data), .byte_clk(byte_clk), .bytes(bytes), .hs(hs), .lp_p(lp_p), .lp_n(lp_n), .idle(idle));
+        .data(data), .byte_clk(byte_clk), .bytes(bytes), .hs(hs), .valid(), .lp_p(lp_p), .lp_n(lp_n),
+        .idle(idle));
     csi2_pins #(.LANES(2)) wires (
         .byte_clk(byte_clk), .bytes(bytes), .hs(hs), .lp_n(lp_n), .pair(pair), .pairs(pairs),
         .low_power(low_power));

@@ -6,8 +6,8 @@
 // of four is sent without its last low bits.
 //
 // A byte of each lane leaves with each rising edge of `byte_clk`, the lowest bit first; `hs` is high
-// while a lane is in high-speed mode, else `lp_p` and `lp_n` are its levels. The clock lane always
-// runs. `idle` is high while nothing waits to be sent.
+// while a lane is in high-speed mode, else `lp_p` and `lp_n` are its levels; `valid` from the first byte
+// after the sync byte on. The clock lane always runs. `idle` is high while nothing waits to be sent.
 //
 // Plusargs, decimal:
 //   csi2_lane_hz=        bits per second of a lane; 456000000 if absent
@@ -27,6 +27,7 @@ module csi2_transmitter #(
     input  wire                 byte_clk,
     output reg  [8*LANES-1:0]   bytes,
     output reg  [LANES-1:0]     hs,
+    output reg  [LANES-1:0]     valid,
     output reg  [LANES-1:0]     lp_p,
     output reg  [LANES-1:0]     lp_n,
     output wire                 idle
@@ -93,7 +94,7 @@ module csi2_transmitter #(
         if (!$value$plusargs("csi2_bad_checksum=%d", bad)) bad = 32'hFFFFFFFF;
         written = 0; begun = 0; taken = 0; put = 0; check = 16'hFFFF; frame = 0;
         frame_before = 0; line_before = 0; count = 0; low = 0;
-        state = IDLE; left = 0; hs = 0; lp_p = ~0; lp_n = ~0;
+        state = IDLE; left = 0; hs = 0; valid = 0; lp_p = ~0; lp_n = ~0;
     end
     wire line = frame_valid && line_valid;
     always @(posedge pixel_clk) begin
@@ -188,6 +189,7 @@ module csi2_transmitter #(
             lp_p[lane] <= state == IDLE;
             lp_n[lane] <= state == IDLE || state == LP01;
             hs[lane] <= state >= ZERO;
+            valid[lane] <= state >= SEND;
             // The trail is the opposite of the lane's last bit.
             bytes[8*lane +: 8] <= state == SYNC ? SYNC_BYTE
                 : state == SEND && sent + lane < total ? byte_of(sent + lane)

@@ -24,7 +24,8 @@
 //
 // Defines: NCDC_DATA_WIDTH, NCDC_READ_PORTS, NCDC_READ_BURST_WIDTH, NCDC_MEMORY_BYTES,
 // NCDC_THREE_READ_PORTS, NCDC_STREAM (pixels per beat), NCDC_SENSOR (its name), NCDC_USB (the number
-// of the USB side's read port), NCDC_USB_LANES (bytes of a word of the FTDI chip). The chip's clock is
+// of the USB side's read port), NCDC_USB_LANES (bytes of a word of the FTDI chip), NCDC_CSI2 (lanes of a
+// sensor with CSI-2, whose PHY is left out). The chip's clock is
 // three fifths of the system's; plusargs usb_rx_stall and usb_tx_stall are its pauses, in clocks of 256.
 
 `timescale 1ns/1ps
@@ -32,6 +33,9 @@
 module system_bench (
     input wire clk,
     input wire extclk                   // of the sensor
+`ifdef NCDC_CSI2
+    , input wire lane                   // of the bytes of its lanes
+`endif
 );
     localparam DW = `NCDC_DATA_WIDTH;
     localparam PORTS = `NCDC_READ_PORTS;
@@ -62,6 +66,16 @@ module system_bench (
         .line_valid(line_valid), .data(data), .scl(scl), .sda(sda), .sda_low(sensor_sda_low)
     );
 
+`ifdef NCDC_CSI2
+    wire [8*`NCDC_CSI2-1:0] lane_bytes;
+    wire [`NCDC_CSI2-1:0]   lane_valid, lane_active;
+    localparam EMBEDDED = `NCDC_SENSOR == "imx219" ? 2 : 0;
+    csi2_transmitter #(.LANES(`NCDC_CSI2), .EMBEDDED(EMBEDDED)) lanes (
+        .pixel_clk(pixclk), .reset_n(sensor_reset_n), .frame_valid(frame_valid),
+        .line_valid(line_valid), .data(data), .byte_clk(lane), .bytes(lane_bytes), .hs(lane_active),
+        .valid(lane_valid), .lp_p(), .lp_n(), .idle());
+`endif
+
     // The system.
     reg  [14:0] csr_address = 0;
     reg         csr_read = 0, csr_write = 0;
@@ -76,8 +90,17 @@ module system_bench (
 `define NCDC_WRITES
     ncdc_system dut (
         .clk(clk), .rst(module_rst), .memory_rst(memory_rst),
+`ifdef NCDC_CSI2
+        .sensor_clock(lane),
+        .sensor_lane0_data(lane_bytes[7:0]), .sensor_lane0_valid(lane_valid[0]),
+        .sensor_lane0_active(lane_active[0]),
+        .sensor_lane1_data(lane_bytes[15:8]), .sensor_lane1_valid(lane_valid[1]),
+        .sensor_lane1_active(lane_active[1]),
+`else
         .sensor_clock(pixclk), .sensor_frame_valid(frame_valid), .sensor_line_valid(line_valid),
-        .sensor_data(data), .scl_low(scl_low), .sda_low(sda_low), .scl(scl), .sda(sda),
+        .sensor_data(data),
+`endif
+        .scl_low(scl_low), .sda_low(sda_low), .scl(scl), .sda(sda),
         .front_end_idle(),
 `ifdef NCDC_USB
         `NCDC_READ_PORT(`NCDC_USB),

@@ -9,14 +9,16 @@ from ncdc_sim.runner import hdl_text
 __all__ = ["AWAKE", "Light", "Fault", "sensor_sources"]
 
 _FILES = ("sensor.v", "sensor_core.v", "sensor_i2c.v", "sensor_waking.v", "sensor_mt9p031.v",
-          "sensor_mt9d111.v", "sensor_ov5640.v", "sensor_imx219.v", "sensor_ov5647.v")
+          "sensor_mt9d111.v", "sensor_ov5640.v", "sensor_imx219.v", "sensor_ov5647.v",
+          "csi2_transmitter.v")
 AWAKE = 10**6
 """Time scale with which the model needs neither reset nor rest: for simulations of what comes
 after them."""
 
 
 def sensor_sources():
-    """List of (file name, text) of the module ``sensor`` and of all below it."""
+    """List of (file name, text) of the module ``sensor`` and of all below it, and of
+    ``csi2_transmitter``."""
     return [(name, hdl_text(name)) for name in _FILES]
 
 

@@ -30,10 +30,12 @@ _MIN_MEMORY = 1 << 24         # bytes; more frame sizes share one build
 
 @dataclass(frozen=True)
 class Clocks:
-    """Periods of the system's and of the sensor's clock, and time of its first edge, in ps."""
+    """Periods of the system's and of the sensor's clock, and time of its first edge, in ps; period
+    of the bytes of its lanes."""
     clk_period: int = 10000
     extclk_period: int = 10000
     extclk_phase: int = 5000
+    lane_period: int = 10000
 
 
 @dataclass(frozen=True)
@@ -134,6 +136,9 @@ class LiveSystem:
         if "usb_clock" in ports:
             defines |= {"NCDC_USB": self.readers - 1, "NCDC_USB_LANES": ports["usb_be_o"]}
         readers = self.readers - ("usb_clock" in ports)
+        if "sensor_lane0_data" in ports:
+            defines |= {"NCDC_CSI2": sum(name.startswith("sensor_lane") and name.endswith("_data")
+                                         for name in ports)}
         defines |= {"NCDC_THREE_READ_PORTS": None} if readers == 3 else {}
         defines |= {"NCDC_STREAM": ports["stream_data"] // 24} if self.stream else {}
         sources = [*((name, hdl_text(name)) for name in _BENCH), *sensor_sources(),

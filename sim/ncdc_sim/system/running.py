@@ -71,7 +71,9 @@ def running(system, setup, light, *, corner=(0, 0), clocks=None, verilog=None, r
         As of :class:`LiveSystem`.
     """
     sensor = setup.sensor
-    clocks = clocks or Clocks(extclk_period=2 * round(5e11 / setup.timing.pixel_clock_hz))
+    lane_hz = setup.link.lane_hz if setup.link else 8e8
+    clocks = clocks or Clocks(extclk_period=2 * round(5e11 / setup.timing.pixel_clock_hz),
+                              lane_period=2 * round(4e12 / lane_hz))
     frame = setup.timing.frame_clocks * clocks.extclk_period // clocks.clk_period
     crop, geometry = Crop(*corner), system.descriptor.geometry
     raw = np.array(crop.raw(raw_frames(setup, light), geometry.distorted))
