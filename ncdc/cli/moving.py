@@ -12,6 +12,7 @@ from ncdc_hdl.system import System
 from ncdc_model.images import check_animation, is_raw, write_animation
 from ncdc_sim.sensor.photo import moving_photo, still_raw
 from ncdc_sim.system.camera import simulate_camera
+from ncdc_spec.camera_port import CSI2, CameraPort
 from ncdc_spec.errors import InputError
 from ncdc_spec.sensors.catalogue import SENSORS
 from ncdc_spec.sensors.framing import grid_row, setup_around
@@ -61,9 +62,8 @@ def run_moving(args, descriptor):
     light = (still_raw(plan, crop, raw) if is_raw(photo)
              else moving_photo(descriptor, plan, crop, photo, args.frames, velocity))
     result = simulate_camera(
-        System(descriptor, hardware, grid=grid_row(plan, crop)), plan, light, corner=crop,
-        count=args.frames,
-        follow=args.follow, memory=args.memory, simulator=args.simulator, seed=args.seed,
+        System(descriptor, hardware, grid=grid_row(plan, crop), camera=_port_of(plan)),
+        plan, light, corner=crop, count=args.frames, follow=args.follow, memory=args.memory, simulator=args.simulator, seed=args.seed,
         waves=waves_of(args), progress=Progress("simulating"))
     write_animation(args.output, [frame.picture for frame in result.frames],
                     _SHOWN_MS)
@@ -84,6 +84,11 @@ def run_moving(args, descriptor):
               file=sys.stderr)
         return 1
     return 0
+
+
+def _port_of(plan):
+    """The :class:`CameraPort` for a sensor's configuration."""
+    return CameraPort(CSI2, plan.link.lanes) if plan.link else CameraPort()
 
 
 def _velocity(text):

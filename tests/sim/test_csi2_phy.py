@@ -4,7 +4,7 @@ import pytest
 
 from ncdc_sim.csi2.phy import HEIGHT, run_phy, sent_row
 
-FRAMES = 80
+FRAMES = 100
 
 
 def check(run, least):
@@ -26,11 +26,11 @@ def check(run, least):
     {"csi2_skew_ps0": 2000, "csi2_skew_ps1": 1600, "csi2_jitter_ps": 250}])
 def test_each_lane_finds_its_eye(wires):
     """Of 2193 ps of a bit, 640 must be stable: steps of 200 ps find some 7 of them, or the part
-    that their range covers. The first search succeeds."""
+    that their range covers. One more may pass by chance. The first search succeeds."""
     run = run_phy(FRAMES, **wires)
-    check(run, FRAMES - 10)
+    check(run, FRAMES - 20)
     assert run.results["failures"] == 0
-    assert all(4 <= run.results[f"width{k}"] <= 8 for k in range(2))
+    assert all(4 <= run.results[f"width{k}"] <= 9 for k in range(2))
 
 
 @pytest.mark.longer

@@ -19,7 +19,7 @@ __all__ = ["HEIGHT", "LANES", "WIDTH", "PhyRun", "run_phy", "sent_row"]
 
 LANES = 2
 WIDTH, HEIGHT = 32, 6           # of a frame of the bench
-_SEARCH = {"steps": 16, "bursts": 2, "stride": 8, "timeout": 20_000}
+_SEARCH = {"steps": 16, "bursts": 4, "stride": 8, "timeout": 20_000}
 _FILES = ("csi2_phy_bench.v", "csi2_pins.v", "csi2_transmitter.v", "ecp5_cells.v")
 
 

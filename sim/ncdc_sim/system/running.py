@@ -84,6 +84,8 @@ def running(system, setup, light, *, corner=(0, 0), clocks=None, verilog=None, r
         live.sensor_power(True)
         live.wait(100)
         host.quarter = quarter_clocks(10**12 // clocks.clk_period, _I2C_HZ)
+        if setup.link:
+            host.camera.put(CSI_CHANNEL=0, CSI_TYPE=setup.link.data_type)
         if crop.grid:
             host.camera.put(GRID_WEIGHT=crop.weight, GRID_BIN=crop.binning)
         host.camera.put(SENT_WIDTH=setup.timing.width, SENT_HEIGHT=setup.timing.height,
