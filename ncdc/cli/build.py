@@ -33,8 +33,9 @@ def add_arguments(parser) -> None:
                         help="ulx3s (default), colorlight-i9: by open tools; de1-soc, de2-115, "
                              "de0-cv, de10-nano: a project for Quartus")
     parser.add_argument("--sensor", default="mt9p031", metavar="NAME",
-                        help="mt9p031 (default; Terasic D5M), ov5640, mt9d111; pattern: no camera, "
-                             "a test card in block RAM (ulx3s)")
+                        help="mt9p031 (default; Terasic D5M), ov5640, mt9d111; imx219, ov5647: the "
+                             "camera modules 2 and 1 of the Raspberry Pi, with CSI-2 (ulx3s); "
+                             "pattern: no camera, a test card in block RAM (ulx3s)")
     add_mode(parser)
     add_field(parser)
     parser.add_argument("--pixel-clock-mhz", type=float, metavar="MHZ",

@@ -25,7 +25,7 @@ from ncdc_hdl.system import System
 from ncdc_hdl.usb.layouts import CHIPS
 from ncdc_hdl.usb.system import UsbSystem
 from ncdc_model.golden.corrector import check_raw
-from ncdc_spec.camera_port import PARALLEL, SAMPLE_BITS, SAMPLES_PER_CLOCK, camera_port
+from ncdc_spec.camera_port import CSI2, PARALLEL, SAMPLE_BITS, SAMPLES_PER_CLOCK, camera_port
 from ncdc_spec.descriptor import Descriptor
 from ncdc_spec.errors import InputError
 from ncdc_spec.files import write_text
@@ -187,6 +187,9 @@ def _check_options(args, hardware):
             (bool(args.usb) != bool(args.sensor),
              "--usb and --sensor are given together: Table I reads and writes the sensor's "
              "registers"),
+            (args.sensor and sensor_named(args.sensor).lanes
+             and not (args.camera or "").startswith(CSI2),
+             f"--sensor {args.sensor} is given, it has CSI-2 lanes: --camera csi2:2 is needed"),
             (args.system and bench,
              "--testbench and --system are given, the test bench is of a corrector alone"),
             (packets and args.board, f"--video {hardware.video} and --board are given, the "

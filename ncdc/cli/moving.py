@@ -63,8 +63,9 @@ def run_moving(args, descriptor):
              else moving_photo(descriptor, plan, crop, photo, args.frames, velocity))
     result = simulate_camera(
         System(descriptor, hardware, grid=grid_row(plan, crop), camera=_port_of(plan)),
-        plan, light, corner=crop, count=args.frames, follow=args.follow, memory=args.memory, simulator=args.simulator, seed=args.seed,
-        waves=waves_of(args), progress=Progress("simulating"))
+        plan, light, corner=crop, count=args.frames, follow=args.follow, memory=args.memory,
+        simulator=args.simulator, seed=args.seed, waves=waves_of(args),
+        progress=Progress("simulating"))
     write_animation(args.output, [frame.picture for frame in result.frames],
                     _SHOWN_MS)
     if note:

@@ -1,4 +1,4 @@
-"""A system with a CSI-2 sensor: from its registers and its lanes to pictures of the golden model."""
+"""A system with a CSI-2 sensor: from its lanes to pictures that equal the golden model's."""
 
 import numpy as np
 import pytest

@@ -14,8 +14,8 @@ CAMERA_WIRES = {
 CSI_WIRES = {"clock": ("12",), "lanes": ("11", "13"), "low_power": ("10+", "10-"),
              "scl": ("7+",), "sda": ("7-",), "reset_n": ("8-",)}
 """Wires of a camera with CSI-2; "12" is the pair GP12 and GN12. Of J1's pairs only
-GP11, GP12 and GP13 are at a side of the device with differential inputs and gearing. All are in bank
-7, and GP12 alone reaches its edge clocks."""
+GP11, GP12 and GP13 are at a side of the device with differential inputs and gearing. They share
+bank 7, and GP12 alone reaches its edge clocks."""
 
 CSI_LANE_HZ = 456_000_000
 """Most bits per second of a lane: half of the IMX219's usual ones. Speed grade 6 takes 624 Mb/s."""
