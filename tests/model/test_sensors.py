@@ -128,6 +128,18 @@ def test_imx219_lines_are_longer_on_slow_lanes():
     assert prepared("imx219", width=640, lane_hz=456_000_000).timing.line_clocks == 3448
 
 
+@pytest.mark.parametrize("name,asked,rate", [
+    ("imx219", {"width": 1920, "height": 1080}, 47.6), ("imx219", {"skip": 2, "bins": 2}, 41.9),
+    ("imx219", {"width": 640, "height": 480}, 103.3),
+    ("imx219", {"width": 1920, "height": 1080, "lane_hz": 456_000_000}, 39.9),
+    ("ov5647", {"width": 1920, "height": 1080}, 32.8), ("ov5647", {"skip": 2, "bins": 2}, 46.3),
+    ("ov5647", {"width": 640, "height": 480}, 71.9)])
+def test_rates_of_sensors_with_csi2(name, asked, rate):
+    """The table of docs/reference/sensors.md."""
+    timing = prepared(name, exposure_us=1000, **asked).timing
+    assert round(timing.frames_per_second, 1) == rate
+
+
 @pytest.mark.parametrize("factor,analog,digital", [
     (1, 0, 256), (2, 128, 256), (256 / 24, 232, 256), (16, 232, 384), (160, 232, 3840)])
 def test_imx219_gain_words(factor, analog, digital):

@@ -19,13 +19,14 @@ _THRESHOLD = .6                         # of an input of type LVCMOS12
 # Nanoseconds of the parts of a burst, as the transmitter in sim/ncdc_sim/hdl has them.
 _STOP, _LPX, _PREPARE, _ZERO, _TRAIL = 60, 50, 60, 130, 70
 _SETTLE = 132                           # the middle of T_HS-SETTLE at this rate
+_STRETCHED = 4                          # so many times as long bits are drawn
 _BITS = [SYNC_BYTE >> k & 1 for k in range(8)] + [1, 1, 0, 1, 0, 1, 0, 0]
 
 
 def _wires():
     """(Nanoseconds, volts of Dp, volts of Dn) of the changes, and the ends of the parts."""
     parts = np.cumsum([_STOP, _LPX, _PREPARE, _ZERO])
-    bit = 1e9 / CSI_LANE_HZ
+    bit = _STRETCHED * 1e9 / CSI_LANE_HZ
     sent = parts[-1] + bit * np.arange(len(_BITS) + 1)
     points = [(0, _LOW_POWER, _LOW_POWER), (parts[0], 0, _LOW_POWER), (parts[1], 0, 0),
               (parts[2], _LOW, _HIGH)]
@@ -58,7 +59,7 @@ def draw(path):
         axes.text((begin + end) / 2, 3.35, name, ha="center", fontsize=8)
     axes.annotate("", (settled, -.2), (ends[1], -.2), arrowprops={"arrowstyle": "<->"})
     axes.text((ends[1] + settled) / 2, -.42, "settle", ha="center", fontsize=8)
-    axes.set(xlim=(-40, times[-1] + 70), ylim=(-1.2, 3.7), yticks=[], xlabel="ns, at 456 Mb/s")
+    axes.set(xlim=(-40, times[-1] + 70), ylim=(-1.2, 3.7), yticks=[], xlabel="ns; bits of 456 Mb/s are drawn four times as long")
     axes.spines[["left", "right", "top"]].set_visible(False)
     write_figure(path, figure)
 
