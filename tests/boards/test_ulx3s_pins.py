@@ -77,7 +77,7 @@ def test_every_resource_that_the_top_asks_for_is_compared():
     asked = set(re.findall(r'request\((?:platform, )?"(\w+)"', text))
     asked |= set(re.findall(r'"(button_\w+)"', text))
     compared = {"led" if name.startswith("led") else name.partition(".")[0] for name in LITEX}
-    assert asked == compared | {"camera"} and len(asked) == 11
+    assert asked == compared | {"camera", "csi_camera"} and len(asked) == 12
 
 
 def test_a_wrong_pin_is_found(sites):

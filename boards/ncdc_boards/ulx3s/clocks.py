@@ -42,9 +42,11 @@ class ClockPlan:
     def targets(self):
         """MHz of each domain, by its name."""
         core, video = self.core.outputs_mhz, self.video.outputs_mhz
-        lanes = {"sensor": self.lane_mhz / 8, "csi_word": self.lane_mhz / 4}
-        return {"sync": core[0], "memory": core[1], "sensor_reference": core[2],
-                "shift": video[0], "pixel": video[1], **(lanes if self.lane_mhz else {})}
+        # A module with CSI-2 has its own reference.
+        sensor = {"sensor": self.lane_mhz / 8, "csi_word": self.lane_mhz / 4} if self.lane_mhz \
+            else {"sensor_reference": core[2]}
+        return {"sync": core[0], "memory": core[1], **sensor, "shift": video[0],
+                "pixel": video[1]}
 
 
 def clock_plan(mode, core_mhz=CORE_MHZ):

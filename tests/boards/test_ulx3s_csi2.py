@@ -1,0 +1,74 @@
+"""A camera with CSI-2 on the ULX3S: its wires, its rates, the programs; other boards reject it."""
+
+import pytest
+
+from cameras import barrel_descriptor
+from ncdc.cli import main
+from ncdc_boards.board import Request
+from ncdc_boards.camera_board.design import design_of, requested_sensor
+from ncdc_boards.camera_board.programs import register_addresses
+from ncdc_boards.catalogue import board
+from ncdc_boards.ecp5.build import clock_cells, prepared
+from ncdc_boards.ecp5.csi2_phy import MAX_LANE_HZ, settle_clocks
+from ncdc_boards.ulx3s.platform import CSI_LANE_HZ, CSI_WIRES, Ulx3sPlatform
+from ncdc_hdl.registers.program import Op
+from ncdc_hdl.video.modes import MODES
+from ncdc_spec.sensors.csi2 import DataType
+
+ULX3S = board("ulx3s")
+
+
+def designed(name):
+    descriptor = barrel_descriptor((64, 24), (64, 24), hidden_neurons=2, strength=.4)
+    sensor = requested_sensor(Request(sensor=name), descriptor.geometry, ULX3S)
+    return design_of(ULX3S, [("net", descriptor)], sensor, MODES[0])
+
+
+def test_wires_are_pairs_of_the_header():
+    """Of nextpnr's device: F4 and E3, G3 and F3, H4 and G5 are PIOA and PIOB of one cell each."""
+    platform = Ulx3sPlatform()
+    found = {}
+    for part in platform.lookup("csi_camera").ios:
+        pins = part.ios[0]
+        for side in ("p", "n") if hasattr(pins, "p") else ("",):
+            names = getattr(pins, side) if side else pins
+            found[part.name + side] = list(names.map_names(platform._conn_pins, part))
+    assert found == {"clockp": ["G3"], "clockn": ["F3"], "lanesp": ["F4", "H4"],
+                     "lanesn": ["E3", "G5"], "low_power": ["C4", "B4"], "scl": ["A6"],
+                     "sda": ["B6"], "reset_n": ["A5"]}
+    assert set(CSI_WIRES) == {part.name for part in platform.lookup("csi_camera").ios}
+
+
+@pytest.mark.parametrize("name,lane_hz", [("imx219", 456_000_000), ("ov5647", 437_500_000)])
+def test_lanes_are_as_fast_as_the_device_takes(name, lane_hz):
+    design = designed(name)
+    assert design.link.lane_hz == lane_hz <= CSI_LANE_HZ < MAX_LANE_HZ
+    targets = design.clocks.targets()
+    assert (targets["sensor"], targets["csi_word"]) == (lane_hz / 8e6, lane_hz / 4e6)
+    assert set(targets) == set(clock_cells(design))
+    at = register_addresses(design.system)
+    assert (Op.WRITE, at["CSI_TYPE"], DataType.RAW10) in design.programs[0]
+    # T_HS-SETTLE of D-PHY, with the three clocks of the registers.
+    settled = (settle_clocks(lane_hz) + 3) * 8e9 / lane_hz
+    assert 85 + 6e9 / lane_hz <= settled <= 145 + 10e9 / lane_hz
+
+
+@pytest.mark.longer
+def test_preferences_of_the_pins():
+    text = prepared(designed("imx219"))["ncdc_ulx3s.lpf"]
+    for site in ("G3", "F4", "H4"):
+        port = next(line.split('"')[1] for line in text.splitlines() if f'SITE "{site}"' in line)
+        line = next(line for line in text.splitlines() if f'IOBUF PORT "{port}"' in line)
+        assert "IO_TYPE=LVDS" in line and "DIFFRESISTOR=100" in line
+    assert "228000000" in text and 'SITE "E3"' not in text
+
+
+@pytest.mark.parametrize("name", ["colorlight-i9", "de1-soc", "de10-nano"])
+def test_boards_without_lanes_reject_it(name, tmp_path, capsys):
+    net = tmp_path / "net.toml"
+    barrel_descriptor((64, 24), (64, 24), hidden_neurons=2, strength=.4).save(net)
+    output = tmp_path / "out"
+    arguments = ["build", str(net), "--board", name, "--sensor", "imx219", "-o", str(output)]
+    assert main(arguments) == 2 and not output.exists()
+    said = capsys.readouterr().err
+    assert f"the sensor imx219 has CSI-2 lanes, the {name} takes parallel sensors" in said
