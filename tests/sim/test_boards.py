@@ -88,6 +88,19 @@ def test_the_screen_shows_the_golden_models_frames(name, request):
     assert len(set(numbers[first:])) >= 3
 
 
+@pytest.mark.regress
+def test_the_screen_shows_the_frames_of_a_csi2_sensor():
+    """Registers over I2C, skewed lanes at the pins, the search of their eyes, the monitor."""
+    bench = Bench("ulx3s", SMALL, (WIDTH, HEIGHT), "imx219", frames=24,
+                  asked={"lane_hz": 456_000_000})
+    run = bench.run(24_000, optimise="-O1", events={
+        "csi2_skew_ps0": 400, "csi2_skew_ps1": 1200, "csi2_jitter_ps": 150})
+    check(bench, run)
+    numbers = bench.shown(run)
+    first = next(k for k, number in enumerate(numbers) if number is not None)
+    assert None not in numbers[first:] and len(set(numbers[first:])) >= 3
+
+
 @pytest.mark.longer
 def test_a_board_without_a_camera_shows_the_test_card():
     """The bench has no sensor, and the top no pins for one; buttons are as with a camera."""

@@ -23,10 +23,10 @@ SMALL = VideoMode((72, 8, 8, 40), (28, 2, 2, 4), False, (141, 280))
 
 class Bench:
     """A design for two lenses, or without a screen (``mode`` None) for one, the light on its
-    sensor, and the golden pictures of that; ``field``: as of ``sensor_for``."""
+    sensor, and the golden pictures of that; ``field``, ``asked``: as of ``sensor_for``."""
 
-    def __init__(self, name, mode, size, **more):
-        self.mode, self.size = mode, size
+    def __init__(self, name, mode, size, sensor="mt9p031", **more):
+        self.mode, self.size, self.name = mode, size, sensor
         # Bits of a colour that the board shows.
         self.colour_mask = 0xF0 if name == "de0-cv" else 0xFF
         lenses = [barrel_descriptor(size, size, hidden_neurons=2, strength=s) for s in (.4, .2)]
@@ -36,10 +36,10 @@ class Bench:
         self.design = design_of(board(name), named if mode else named[:1], self.sensor, mode,
                                 **{"time_scale": 1000, "waits": False, "i2c_hz": 400_000} | more)
 
-    def _camera(self, lens, *, frames=6, field=None, **more):
+    def _camera(self, lens, *, frames=6, field=None, asked=None, **more):
         """The sensor, the light on it, and the raw frames; what is left of the arguments."""
-        self.sensor = setup, crop = sensor_for("mt9p031", lens.geometry, exposure_us=100,
-                                               field=field)
+        self.sensor = setup, crop = sensor_for(self.name, lens.geometry, exposure_us=100,
+                                               field=field, **(asked or {}))
         asked = setup.settings
         read = frames, asked.skip * asked.height, asked.skip * asked.width
         noise = np.random.default_rng(1).integers(0, 4096, read, dtype=np.uint16)
@@ -49,7 +49,7 @@ class Bench:
         return more
 
     def run(self, run_us, **more):
-        return simulate_board(self.design, self.light and "mt9p031", self.light, run_us=run_us,
+        return simulate_board(self.design, self.light and self.name, self.light, run_us=run_us,
                               **more)
 
     def golden(self, lens):

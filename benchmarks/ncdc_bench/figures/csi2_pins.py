@@ -59,7 +59,8 @@ def draw(path):
         axes.text((begin + end) / 2, 3.35, name, ha="center", fontsize=8)
     axes.annotate("", (settled, -.2), (ends[1], -.2), arrowprops={"arrowstyle": "<->"})
     axes.text((ends[1] + settled) / 2, -.42, "settle", ha="center", fontsize=8)
-    axes.set(xlim=(-40, times[-1] + 70), ylim=(-1.2, 3.7), yticks=[], xlabel="ns; bits of 456 Mb/s are drawn four times as long")
+    axes.set(xlim=(-40, times[-1] + 70), ylim=(-1.2, 3.7), yticks=[],
+             xlabel="ns; bits of 456 Mb/s are drawn four times as long")
     axes.spines[["left", "right", "top"]].set_visible(False)
     write_figure(path, figure)
 

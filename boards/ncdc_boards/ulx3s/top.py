@@ -27,6 +27,9 @@ _BUTTONS = {"following": ("button_right", 0), "previous": ("button_left", 0),
             "raw": ("button_fire", 0), "again": ("button_down", 0)}
 
 
+_QUICK = {"steps": 16, "stride": 8, "bursts": 2}
+
+
 class Ulx3sTop(Elaboratable):
     """Joins the pins of the board to the core, and its picture to the GPDI connector.
 
@@ -68,7 +71,9 @@ class Ulx3sTop(Elaboratable):
         """A sensor with CSI-2, whose module has its own clock."""
         link = self.design.link
         wires = request(platform, "csi_camera", CSI_WIRES)
-        m.submodules.csi2_phy = phy = Ecp5Csi2Phy(link.lanes)
+        # A simulation that takes no time for the sensor's reset does not for the search either.
+        search = _QUICK if self.design.time_scale > 1 else {}
+        m.submodules.csi2_phy = phy = Ecp5Csi2Phy(link.lanes, **search)
         m.d.comb += [
             phy.pair.eq(buffer(m, wires.clock).i), phy.pairs.eq(buffer(m, wires.lanes).i),
             phy.low_power.eq(buffer(m, wires.low_power).i),

@@ -20,7 +20,7 @@ __all__ = ["BoardRun", "request_at", "scans_at", "simulate_board", "unplugged_at
 _REFERENCE_MHZ = 25         # of the boards, to the sensor
 
 # The bench comes first.
-_ULX3S = ("ulx3s_bench.v", "ecp5_cells.v", "dvi_monitor.v")
+_ULX3S = ("ulx3s_bench.v", "ecp5_cells.v", "dvi_monitor.v", "csi2_pins.v")
 _COLORLIGHT_I9 = ("colorlight_i9_bench.v", "ecp5_cells.v")
 _QUARTUS = ("quartus_bench.v", "altera_cells.v", "virtual_jtag.v")
 _SHARED = ("sdram_board.v", "board_run.v", "uart_host.v", "sdram_chip.v")
@@ -117,6 +117,7 @@ def simulate_board(design, sensor, light, *, run_us, events=None, edit=None, opt
     board, chip = design.board, chip_parameters(design.board.chip, design.core_hz)
     defines = {"NCDC_CHIP": ", ".join(f".{key}({_number(value)})" for key, value in chip.items()),
                **({"NCDC_PATTERN": 1} if design.pattern else {"NCDC_SENSOR": f'"{sensor}"'}),
+               **({"NCDC_CSI2": design.link.lanes} if design.link else {}),
                "NCDC_TOP": name, "NCDC_DQ": board.chip.data_bits,
                "NCDC_BAUD": board.baud, **_screen(design),
                **({"NCDC_ETHERNET": 1} if ethernet else {})}
@@ -130,7 +131,8 @@ def simulate_board(design, sensor, light, *, run_us, events=None, edit=None, opt
         # LiteX's Verilog and the processor's are others': their warnings are not ours to mend.
         *(["-Wno-fatal"] if ethernet else []), *(f"-Wno-{rule}" for rule in _RULES)))
     result = BoardRun()
-    plusargs = [f"+{key}={value}" for key, value in ({"run_us": run_us} | (events or {})).items()]
+    settings = {"run_us": run_us} | _lanes(design) | (events or {})
+    plusargs = [f"+{key}={value}" for key, value in settings.items()]
     with tempfile.TemporaryDirectory(prefix="ncdc-") as name:
         folder = Path(name)
         if light:
@@ -171,6 +173,15 @@ def _top(design):
         return name, prepared(design)[f"{name}.v"], bench
     monitor = "vga_monitor.v" if design.board.dac else "vga_wire_monitor.v"
     return name, top_verilog(design) + user_module(), (*_QUARTUS, monitor)
+
+
+def _lanes(design):
+    """Plusargs of a sensor with CSI-2, whose external clock counts its pixels."""
+    if not design.link:
+        return {}
+    pixel_hz = design.sensor[0].timing.pixel_clock_hz
+    return {"csi2_lane_hz": design.link.lane_hz, "csi2_pixel_hz": pixel_hz,
+            "sensor_khz": pixel_hz // 1000}
 
 
 def _screen(design):

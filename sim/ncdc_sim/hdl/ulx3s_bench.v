@@ -1,9 +1,11 @@
 // A ULX3S from the sensor's pins to the monitor's: the generated top, the SDRAM's model, a sensor, a
 // monitor, buttons.
 //
-// With NCDC_PATTERN the top has a test pattern, and the bench no sensor.
+// With NCDC_PATTERN the top has a test pattern, and the bench no sensor. With NCDC_CSI2 the sensor has so
+// many lanes, and a clock of its own.
 //
-// Plusargs: those of board_run.v, uart_host.v and of the sensor.
+// Plusargs: those of board_run.v, uart_host.v and of the sensor; csi2_pixel_hz, the clock of a sensor with
+// CSI-2, and those of csi2_transmitter.v and csi2_pins.v.
 //
 // Results: lines "RESULT <name> <value>"; screen.bin, see dvi_monitor.v.
 
@@ -26,7 +28,28 @@ module ulx3s_bench;
 
 `ifndef NCDC_PATTERN
     // The sensor, and its bus.
-    wire xclk, sensor_reset_n, standby, pixclk, fval, lval, scl, sda, sda_low;
+    wire sensor_reset_n, pixclk, fval, lval, scl, sda, sda_low;
+`ifdef NCDC_CSI2
+    localparam LANES = `NCDC_CSI2, EMBEDDED = `NCDC_SENSOR == "imx219" ? 2 : 0;
+    wire standby = 0;
+    reg  xclk = 0;
+    reg  [31:0] pixel_hz;
+    initial begin
+        if (!$value$plusargs("csi2_pixel_hz=%d", pixel_hz)) pixel_hz = 182400000;
+        forever #(0.5e12 / pixel_hz) xclk = !xclk;
+    end
+    wire [8*LANES-1:0] bytes;
+    wire [LANES-1:0]   hs, lp_n, pairs, low_power;
+    wire byte_clk, pair;
+    csi2_transmitter #(.LANES(LANES), .EMBEDDED(EMBEDDED)) transmitter (
+        .pixel_clk(pixclk), .reset_n(sensor_reset_n), .frame_valid(fval), .line_valid(lval),
+        .data(d), .byte_clk(byte_clk), .bytes(bytes), .hs(hs), .valid(), .lp_p(), .lp_n(lp_n), .idle());
+    csi2_pins #(.LANES(LANES)) lanes_of_the_sensor (
+        .byte_clk(byte_clk), .bytes(bytes), .hs(hs), .lp_n(lp_n), .pair(pair), .pairs(pairs),
+        .low_power(low_power));
+`else
+    wire xclk, standby;
+`endif
     wire [11:0] d;
     pullup (scl);
     pullup (sda);
@@ -51,7 +74,12 @@ module ulx3s_bench;
         .sdram_0__cas__io(cas_n), .sdram_0__ba__io(ba), .sdram_0__a__io(a),
         .sdram_0__dqm__io(dqm), .sdram_0__dq__io(dq), .hdmi_0__d__p(lanes),
         .hdmi_0__clk__p(lane_clock),
-`ifndef NCDC_PATTERN
+`ifdef NCDC_CSI2
+        .csi_camera_0__clock__p(pair), .csi_camera_0__lanes__p(pairs),
+        .csi_camera_0__low_power__io(low_power), .csi_camera_0__scl__io(scl),
+        .csi_camera_0__sda__io(sda), .csi_camera_0__reset_n__io(sensor_reset_n),
+`elsif NCDC_PATTERN
+`else
         .camera_0__pixclk__io(pixclk), .camera_0__fval__io(fval), .camera_0__lval__io(lval),
         .camera_0__d__io(d), .camera_0__scl__io(scl), .camera_0__sda__io(sda),
         .camera_0__reset_n__io(sensor_reset_n), .camera_0__standby__io(standby),
