@@ -43,6 +43,7 @@ def test_wires_are_pairs_of_the_header():
 def test_lanes_are_as_fast_as_the_device_takes(name, lane_hz):
     design = designed(name)
     assert design.link.lane_hz == lane_hz <= CSI_LANE_HZ < MAX_LANE_HZ
+    assert abs(design.sensor[0].timing.frames_per_second - 24) < .02
     targets = design.clocks.targets()
     assert (targets["sensor"], targets["csi_word"]) == (lane_hz / 8e6, lane_hz / 4e6)
     assert set(targets) == set(clock_cells(design))
@@ -51,6 +52,13 @@ def test_lanes_are_as_fast_as_the_device_takes(name, lane_hz):
     # T_HS-SETTLE of D-PHY, with the three clocks of the registers.
     settled = (settle_clocks(lane_hz) + 3) * 8e9 / lane_hz
     assert 85 + 6e9 / lane_hz <= settled <= 145 + 10e9 / lane_hz
+
+
+def test_a_long_exposure_is_slower():
+    geometry = barrel_descriptor((64, 24), (64, 24), hidden_neurons=2).geometry
+    request = Request(sensor="imx219", settings={"exposure_us": 100_000.0})
+    setup, _ = requested_sensor(request, geometry, ULX3S)
+    assert 9.9 < setup.timing.frames_per_second < 10
 
 
 @pytest.mark.longer

@@ -26,6 +26,7 @@ __all__ = ["READER_OF_HOST", "SENSOR_CLOCK_HZ", "design_of", "hardware_for",
 _DATA_WIDTH = 32        # of the memory ports
 SENSOR_CLOCK_HZ = 25_000_000
 """Clock that the boards give to a sensor."""
+_CSI_RATE = 24          # frames a second: more would leave the memory no time to correct them
 READER_OF_HOST = 0      # for a host at the serial port; the processor's readers come after it
 
 
@@ -63,6 +64,8 @@ def requested_sensor(request, geometry, board):
                              "parallel sensors: the ulx3s takes both")
         usual = setup(sensor, Settings()).link.lane_hz
         settings |= {"lane_hz": most} if usual > most else {}
+        if settings.get("exposure_us", Settings.exposure_us) < .9e6 / _CSI_RATE:
+            settings["frames_per_second"] = _CSI_RATE
     return sensor_for(request.sensor, geometry, **settings)
 
 
