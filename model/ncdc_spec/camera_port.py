@@ -49,6 +49,9 @@ class CameraPort:
         have 12: shorter ones are in the upper bits.
     aligned : bool
         The lanes of CSI-2 come from a PHY that aligns words.
+    serial : bool
+        Samples of CSI-2 lanes go on one per clock, as a grid stage needs them. The clock of the
+        bytes has to run between rows.
 
     Raises
     ------
@@ -59,6 +62,7 @@ class CameraPort:
     samples: int = 1
     bits: int = 12
     aligned: bool = True
+    serial: bool = False
 
     def __post_init__(self):
         for what, value, known in (("kind of a camera", self.kind, KINDS),

@@ -62,7 +62,7 @@ def run_moving(args, descriptor):
     light = (still_raw(plan, crop, raw) if is_raw(photo)
              else moving_photo(descriptor, plan, crop, photo, args.frames, velocity))
     result = simulate_camera(
-        System(descriptor, hardware, grid=grid_row(plan, crop), camera=_port_of(plan)),
+        System(descriptor, hardware, grid=grid_row(plan, crop), camera=_port_of(plan, crop)),
         plan, light, corner=crop, count=args.frames, follow=args.follow, memory=args.memory,
         simulator=args.simulator, seed=args.seed, waves=waves_of(args),
         progress=Progress("simulating"))
@@ -87,9 +87,9 @@ def run_moving(args, descriptor):
     return 0
 
 
-def _port_of(plan):
-    """The :class:`CameraPort` for a sensor's configuration."""
-    return CameraPort(CSI2, plan.link.lanes) if plan.link else CameraPort()
+def _port_of(plan, crop):
+    """The :class:`CameraPort` for a sensor's configuration and what capture makes of its frames."""
+    return CameraPort(CSI2, plan.link.lanes, serial=crop.grid) if plan.link else CameraPort()
 
 
 def _velocity(text):

@@ -4,6 +4,7 @@ from ncdc_hdl.camera.avalon_st_source import AvalonStSource
 from ncdc_hdl.camera.axis_source import AxisSource
 from ncdc_hdl.camera.csi2.receiver import Receiver
 from ncdc_hdl.camera.parallel_source import ParallelSource
+from ncdc_hdl.camera.serializer import SerialReceiver
 from ncdc_spec.camera_port import AVALON_ST, AXIS, CSI2, VIP
 
 __all__ = ["camera_ports", "source_of"]
@@ -16,7 +17,8 @@ def source_of(camera):
     if camera.kind in (AVALON_ST, VIP):
         return AvalonStSource(camera.samples, camera.bits, control=camera.kind == VIP)
     if camera.kind == CSI2:
-        return Receiver(camera.samples, aligned=camera.aligned)
+        receiver = SerialReceiver if camera.serial else Receiver
+        return receiver(camera.samples, aligned=camera.aligned)
     return ParallelSource()
 
 

@@ -50,6 +50,7 @@ def test_without_a_field_the_window_is_in_the_middle():
     ("mt9p031", (1280, 720), 2, 1, 0, 15.6), ("mt9p031", (1920, 1080), 1, 1, 0, 8.1),
     ("mt9p031", (1280, 960), 2, 1, 0, 11.8),        # fewer than 15 anyway: the most
     ("ov5640", (640, 480), 2, 2, 1, 6.7),           # binning costs it nothing
+    ("imx219", (640, 480), 2, 2, 1, 46.2), ("ov5647", (640, 480), 2, 2, 1, 36.3),
     ("mt9d111", (640, 480), 2, 1, 0, 43.5), ("mt9d111", (1280, 960), 1, 1, 0, 14.3)])
 def test_the_way_to_reduce(name, size, skip, bins, binning, rate):
     plan, crop = sensor_for(name, geometry(*size), field="full")

@@ -10,19 +10,20 @@ from ncdc_sim.sensor.verilog import Fault
 from ncdc_sim.system.camera import simulate_camera
 from ncdc_spec.camera_port import CSI2, CameraPort
 from ncdc_spec.hardware import Hardware
-from ncdc_spec.sensors.framing import setup_around
+from ncdc_spec.sensors.framing import grid_row, setup_around
 
 SIZE = (64, 24)
-_LANES = CameraPort(CSI2, 2)
 
 
-def run(name, size, count, *, hidden_neurons=2, more=(), **options):
+def run(name, size, count, *, hidden_neurons=2, field=None, more=(), **options):
     """Frames in motion: registers by I2C, lanes, receiver, memory and corrector, in Verilog."""
     descriptor = barrel_descriptor(size, size, hidden_neurons=hidden_neurons, strength=.4)
-    plan, crop = setup_around(name, descriptor.geometry, exposure_us=200)
+    plan, crop = setup_around(name, descriptor.geometry, field=field, exposure_us=200)
+    assert crop.grid == (field is not None)
     photo = np.random.default_rng(1).integers(0, 256, (*size[::-1], 3), np.uint8)
     light = moving_photo(descriptor, plan, crop, photo, count, (5, 0))
-    system = System(descriptor, Hardware(data_width=64), camera=_LANES)
+    system = System(descriptor, Hardware(data_width=64), grid=grid_row(plan, crop),
+                    camera=CameraPort(CSI2, 2, serial=crop.grid))
     return simulate_camera(system, plan, light, corner=crop, count=count, more=more, **options)
 
 
@@ -36,6 +37,15 @@ def check(result, count):
 @pytest.mark.parametrize("name", ["imx219", pytest.param("ov5647", marks=pytest.mark.regress)])
 def test_pictures_of_a_csi2_sensor(name):
     check(run(name, SIZE, 3), 3)
+
+
+@pytest.mark.longer
+@pytest.mark.parametrize("name,field", [
+    ("imx219", "256x96"), *(pytest.param(*each, marks=pytest.mark.regress) for each in (
+        ("imx219", "128x48"), ("ov5647", "256x96")))])
+def test_pictures_of_a_reduced_field(name, field):
+    """Binned by the sensor, one sample per clock, the grid stage, which bins 256x96 once more."""
+    check(run(name, SIZE, 3, field=field), 3)
 
 
 @pytest.mark.longer

@@ -121,7 +121,7 @@ def design_of(board, named, sensor, mode, *, hardware=None, core_mhz=None, proce
     link, camera = sensor[0].link, CameraPort()
     if link:
         clocks = replace(clocks, lane_mhz=link.lane_hz / 1e6)
-        camera = CameraPort(CSI2, link.lanes, aligned=False)
+        camera = CameraPort(CSI2, link.lanes, aligned=False, serial=sensor[1].grid)
     system = System(descriptor, hardware, readers=1 + processor * READERS,
                     screens=int(mode is not None), grid=grid_row(*sensor), camera=camera)
     for path, other in named[1:]:

@@ -170,10 +170,9 @@ def _bins(sensor, geometry, way):
 
 def _fitting_ways(sensor, geometry, settings):
     """The :class:`Way` to each reduction with which raw frames fit the sensor; InputError if there
-    is none. A sensor that mirrors does not skip. One with CSI-2 does not either: capture makes an
-    even grid of one sample per clock only."""
-    whole = sensor.lanes or settings.get("mirror_columns") or settings.get("mirror_rows")
-    ways = ways_of(sensor, 1 if whole else MAX_REDUCTION)
+    is none. A sensor that mirrors does not skip."""
+    mirrors = settings.get("mirror_columns") or settings.get("mirror_rows")
+    ways = ways_of(sensor, 1 if mirrors else MAX_REDUCTION)
     fitting = {n: way for n, way in ways.items() if _bins(sensor, geometry, way)}
     if not fitting:
         size, sent = geometry.distorted, _sent(sensor, geometry, ways[1])

@@ -92,8 +92,9 @@ def setup(settings):
     """The :class:`Setup` for ``settings``; raises :class:`InputError` at a limit."""
     asked = resolved(SENSOR, settings)
     link, clocks = _clocks(asked)
-    # A row that the lanes take longer for makes the lines longer.
-    line = max(_MIN_LINE, 2 * round(asked.pixel_clock_hz * link.row_seconds(asked.width) / 2))
+    # A row that takes longer makes the lines longer. Capture evens reduced ones sample by sample.
+    row = link.row_seconds(asked.width, serial=asked.skip > 1)
+    line = max(_MIN_LINE, 2 * round(asked.pixel_clock_hz * row / 2))
     lines = exposure_lines(SENSOR, asked, line, 0)
     total = frame_lines(SENSOR, asked, line, lines + _EXPOSURE_MARGIN)
     analog, digital, gain_256 = _gain(factor_of(SENSOR, asked))

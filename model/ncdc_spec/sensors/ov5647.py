@@ -88,7 +88,8 @@ def setup(settings):
         settings = replace(settings, pixel_clock_hz=settings.lane_hz // _LANE_CLOCKS)
     asked = resolved(SENSOR, settings)
     clocks = _clocks(asked)
-    line = _line(asked)
+    link = Link(SENSOR.lanes, _LANE_CLOCKS * asked.pixel_clock_hz, DataType.RAW10)
+    line = _line(asked, link)
     lines = exposure_lines(SENSOR, asked, line, 0)
     total = frame_lines(SENSOR, asked, line, lines + _EXPOSURE_MARGIN)
     gain = round(16 * factor_of(SENSOR, asked))
@@ -117,14 +118,14 @@ def setup(settings):
         Write(_STREAM, 1, "start"))
     return Setup(SENSOR, asked, writes,
                  Timing(asked.width, asked.height, line, total, asked.pixel_clock_hz),
-                 lines * line, 16 * gain,
-                 Link(SENSOR.lanes, _LANE_CLOCKS * asked.pixel_clock_hz, DataType.RAW10))
+                 lines * line, 16 * gain, link)
 
 
-def _line(asked):
-    """Pixel clocks of a line."""
+def _line(asked, link):
+    """Pixel clocks of a line. Capture evens reduced rows sample by sample: they may take longer."""
     if asked.skip > 1:
-        return _BINNED_LINE
+        row = link.row_seconds(asked.width, serial=True)
+        return max(_BINNED_LINE, 2 * round(asked.pixel_clock_hz * row / 2))
     return _LINE if asked.width <= _LINE_COLUMNS else _LONG_LINE
 
 

@@ -248,9 +248,11 @@ class Link:
     data_type: DataType
     embedded_rows: int = 0
 
-    def row_seconds(self, width):
-        """Seconds that a row of ``width`` samples takes, with the pause after it."""
-        return width * SAMPLE_BITS_OF[self.data_type] / (self.lanes * self.lane_hz) + _ROW_PAUSE_S
+    def row_seconds(self, width, serial=False):
+        """Seconds that a row of ``width`` samples takes, with the pause after it; with ``serial``
+        also one by one with the clock of the bytes."""
+        bits = SAMPLE_BITS_OF[self.data_type] / self.lanes
+        return width * max(bits, 8 * serial) / self.lane_hz + _ROW_PAUSE_S
 
 
 @dataclass(frozen=True)
