@@ -9,10 +9,7 @@ from ncdc_hdl.camera.csi2.burst_start import SETTLE_BITS, BurstCheck, Settling
 from ncdc_hdl.camera.csi2.eye_search import EYE, EyeSearch
 from ncdc_hdl.camera.csi2.layouts import LANE
 
-__all__ = ["MAX_LANE_HZ", "Ecp5Csi2Phy", "settle_clocks"]
-
-MAX_LANE_HZ = 624_000_000
-"""Bits per second of a lane: GDDRX2_RX.ECLK.Centered of speed grade 6 (FPGA-DS-02012)."""
+__all__ = ["Ecp5Csi2Phy", "settle_clocks"]
 
 _BITS = 4               # of an IDDRX2F
 

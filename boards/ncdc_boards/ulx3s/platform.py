@@ -18,7 +18,8 @@ GP11, GP12 and GP13 are at a side of the device with differential inputs and gea
 bank 7, and GP12 alone reaches its edge clocks."""
 
 CSI_LANE_HZ = 456_000_000
-"""Most bits per second of a lane: half of the IMX219's usual ones. Speed grade 6 takes 624 Mb/s."""
+"""Most bits per second of a lane: half of the IMX219's usual ones. Of GDDRX2 speed grade
+8 takes 800 Mb/s (FPGA-DS-02012), grade 6, which the board has, less."""
 
 _PIXEL_CLOCK_HZ = 96e6          # the fastest of the sensors
 _DIRECTIONS = {"scl": "io", "sda": "io", "xclk": "o", "reset_n": "o", "standby": "o"}
