@@ -83,8 +83,8 @@ SENSOR = Sensor(
         *map(UserRegister, (0x0159, 0x015A, 0x015B)),
         UserRegister(_PATTERN, mask=0xFF, ranges=((0, 0),)),
         UserRegister(_PATTERN + 1, mask=0xFF, ranges=((0, max(_TEST_PATTERNS.values())),))),
-    waking=Waking(reset_us=0, rest_us=6200, rest_clocks=0,
-                  source="L, IMX219_XCLR_MIN_DELAY_US; the length of the reset is not given"),
+    waking=Waking(reset_us=1000, rest_us=6200, rest_clocks=0,
+                  source="L, IMX219_XCLR_MIN_DELAY_US; the reset is taken for that of the OV5640"),
     lanes=2)
 
 

@@ -67,7 +67,7 @@ module sensor #(
     localparam BITS = MT9P031 ? 12 : 10;
     // Before the first access. MT9P031: Linux, mt9p031.c. OV5640: data sheet, power up sequence, t3 and
     // t4. MT9D111: not found; taken for that of the OV5640. IMX219, OV5647: Linux, imx219.c and ov5647.c.
-    localparam RESET_US = IMX219 ? 0 : 1000, REST_US = MT9P031 ? 0 : IMX219 ? 6200 : 20000;
+    localparam RESET_US = 1000, REST_US = MT9P031 ? 0 : IMX219 ? 6200 : 20000;
     localparam REST_CLOCKS = MT9P031 ? 850000 : 0;
     // Parities of the red pixels, counted from the first active one.
     localparam RED_COLUMN = !IMX219 && !OV5647, RED_ROW = OV5640 || OV5647;
