@@ -26,7 +26,7 @@ def check(run, least):
     {"csi2_skew_ps0": 2000, "csi2_skew_ps1": 1600, "csi2_jitter_ps": 250}])
 def test_each_lane_finds_its_eye(wires):
     """Of 2193 ps of a bit, 640 must be stable: steps of 200 ps find some 7 of them, or the part
-    that their range covers. One more may pass by chance. The first search succeeds."""
+    that their range covers. One more may pass at random. The first search succeeds."""
     run = run_phy(FRAMES, **wires)
     check(run, FRAMES - 20)
     assert run.results["failures"] == 0

@@ -27,7 +27,7 @@ class Ecp5Csi2Phy(wiring.Component):
     The clock pair, half as fast as the bits, drives an edge clock (ECLKSYNCB) and a quarter of the
     bits' rate (CLKDIVF), with which an IDDRX2F gives four bits of a lane. A flip-flop halves that
     clock once more: ``clock`` has a rising edge for each byte. Bytes change with its falling edge:
-    there are a whole period of the faster clock for their set-up, and what is left of the other one
+    there are a whole period of the faster clock for their setup, and what is left of the other one
     by the way of ``clock`` to its network for their hold.
 
     Until the delays are chosen no lane is active at ``o``.

@@ -49,7 +49,7 @@ class Settling(wiring.Component):
 class BurstCheck(wiring.Component):
     """Checks the sync byte of each burst of a lane, at any alignment.
 
-    A word aligner finds a sync byte later in a burst too, by chance. Here only zeros may precede
+    A word aligner may find a sync byte in the middle of a burst too. Here only zeros may precede
     it, as D-PHY sends them. So one wrong bit is enough for a bad burst.
 
     Members

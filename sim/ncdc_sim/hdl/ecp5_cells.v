@@ -114,7 +114,7 @@ module CLKDIVF #(
 endmodule
 
 // Four bits a clock, of both edges of ECLK, which is twice as fast; Q0 came first. An input that changes
-// within 0.32 ns of an edge gives a random bit: set-up and hold time of GDDRX2_RX.ECLK.Centered
+// within 0.32 ns of an edge gives a random bit: setup and hold time of GDDRX2_RX.ECLK.Centered
 // (FPGA-TN-02035), taken for those of the cell.
 module IDDRX2F (
     input wire D, input wire ECLK, input wire SCLK, input wire RST, input wire ALIGNWD,
