@@ -76,6 +76,8 @@ class System(wiring.Component):
     screen_claim, screen_held, screen_base : ``SCREEN``, from a screen
     screen_shown, screen_underruns : ``In(32)``
         Its counters, for the registers. All five only with a screen.
+    csi_settle, csi_phy, csi_eyes : ``Out(6)``, ``In(9)``, ``In(32)``
+        Registers of the same names, of a PHY for CSI-2; only with one.
     irq : ``Out(1)``
         The corrector's, or one of the events that are enabled.
 
@@ -97,7 +99,7 @@ class System(wiring.Component):
         self.descriptor, self.hardware = descriptor, self.corrector.hardware
         self.stores = stores_for(self.hardware, readers, screens)
         self.grid, self.camera = grid, camera
-        self.table = system_registers(self.stores, grid, (camera.kind,))
+        self.table = system_registers(self.stores, grid, (camera.kind,), camera.phy)
         self.pending = PENDING if self.hardware.axi else 0
         self.capture = Capture(self.hardware.data_width, burst=_BURST, pending=self.pending,
                                grid=grid, source=source_of(camera))
@@ -112,6 +114,8 @@ class System(wiring.Component):
         if screens:
             ports |= flat("screen", SCREEN, In)
             ports |= {"screen_shown": In(32), "screen_underruns": In(32)}
+        if camera.phy:
+            ports |= {"csi_settle": Out(6), "csi_phy": In(9), "csi_eyes": In(32)}
         super().__init__(ports | {"memory_rst": In(1), "irq": Out(1), "front_end_idle": Out(1)})
 
     @property
@@ -209,6 +213,8 @@ class System(wiring.Component):
         if self.camera.kind == CSI2:
             m.d.comb += [capture.camera.settings.channel.eq(values.CSI_CHANNEL),
                          capture.camera.settings.type.eq(values.CSI_TYPE)]
+        if self.camera.phy:
+            m.d.comb += self.csi_settle.eq(values.CSI_SETTLE)
         if self.grid is not None:
             m.d.comb += [capture.grid.weight.eq(values.GRID_WEIGHT),
                          capture.grid.binning.eq(values.GRID_BIN)]
@@ -295,6 +301,7 @@ class System(wiring.Component):
         shown = {
             "CAMERA_STATUS": Cat(capture.active, control.corrector.active, Const(0, 6), events),
             **({} if self.grid is None else {"GRID_ROW": self.grid}),
+            **({"CSI_PHY": self.csi_phy, "CSI_EYES": self.csi_eyes} if self.camera.phy else {}),
             **({"SOURCE_FAULTS": capture.counts.bad} if self.camera.faults else {}),
             **{register: capture.faults[name]
                for name, register in self.camera.fault_registers.items()},

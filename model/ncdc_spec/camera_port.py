@@ -48,7 +48,7 @@ class CameraPort:
         Bits of a sample of AXI4-Stream and Avalon-ST video, one of :data:`SAMPLE_BITS`. The others
         have 12: shorter ones are in the upper bits.
     aligned : bool
-        The lanes of CSI-2 come from a PHY that aligns words.
+        The lanes of CSI-2 come from a PHY elsewhere, which aligns words.
     serial : bool
         Samples of CSI-2 lanes go on one per clock, as a grid stage needs them. The clock of the
         bytes has to run between rows.
@@ -77,6 +77,11 @@ class CameraPort:
         if self.kind in (PARALLEL, CSI2) and self.bits != 12:
             raise InputError(f"a camera of the kind {self.kind} has samples of 12 bits, not "
                              f"{self.bits}: shorter ones are in the upper bits")
+
+    @property
+    def phy(self):
+        """Whether its PHY is part of the design, which then has registers for it."""
+        return self.kind == CSI2 and not self.aligned
 
     @property
     def faults(self):

@@ -9,8 +9,8 @@ from ncdc_boards.camera_board.design import design_of, requested_sensor
 from ncdc_boards.camera_board.programs import register_addresses
 from ncdc_boards.catalogue import board
 from ncdc_boards.ecp5.build import clock_cells, prepared
-from ncdc_boards.ecp5.csi2_phy import settle_clocks
 from ncdc_boards.ulx3s.platform import CSI_LANE_HZ, CSI_WIRES, Ulx3sPlatform
+from ncdc_hdl.camera.csi2.burst_start import settle_clocks
 from ncdc_hdl.registers.program import Op
 from ncdc_hdl.video.modes import MODES
 from ncdc_spec.sensors.csi2 import DataType
@@ -49,6 +49,7 @@ def test_lanes_are_as_fast_as_the_device_takes(name, lane_hz):
     assert set(targets) == set(clock_cells(design))
     at = register_addresses(design.system)
     assert (Op.WRITE, at["CSI_TYPE"], DataType.RAW10) in design.programs[0]
+    assert (Op.WRITE, at["CSI_SETTLE"], settle_clocks(lane_hz)) in design.programs[0]
     # T_HS-SETTLE of D-PHY, with the three clocks of the registers.
     settled = (settle_clocks(lane_hz) + 3) * 8e9 / lane_hz
     assert 85 + 6e9 / lane_hz <= settled <= 145 + 10e9 / lane_hz

@@ -159,7 +159,8 @@ def test_register_page_is_printed():
 
 @pytest.mark.parametrize("neurons", [1, 2, 32])
 def test_register_page_gives_every_register_its_offset(neurons):
-    table = (*registers(neurons, Formats(), colour=True), *system_registers(_STORES, 2592, KINDS))
+    table = (*registers(neurons, Formats(), colour=True),
+             *system_registers(_STORES, 2592, KINDS, phy=True))
     families = Counter(register.family[0] for register in table)
     offsets = {}
     for offset, name in re.findall(r"^\| (0x[^|]*) \| `(\w+)` \|",

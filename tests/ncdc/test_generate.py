@@ -203,6 +203,8 @@ def test_a_system_for_another_camera(folder, camera, tmp_path):
     ("--usb ft232h --sensor mt9p031 --system --bus axi", "--usb ft232h and --bus axi are given"),
     ("--usb ft232h --system", "--usb and --sensor are given together"),
     ("--sensor mt9p031 --system", "--usb and --sensor are given together"),
+    ("--usb ft232h --sensor imx219 --system", "--sensor imx219 is given, it has CSI-2 lanes: "
+     "--camera csi2:2 is needed"),
     ("--system --testbench", "--testbench and --system are given, the test bench is of a corr"),
     ("--camera axis", "--camera axis is given, it needs --system: a corrector alone reads"),
     ("--sample-bits 10", "--sample-bits 10 is given, it needs --system"),

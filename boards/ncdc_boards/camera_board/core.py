@@ -109,6 +109,8 @@ class BoardCore(wiring.Component):
         At the sensor's pins.
     lanes : ``In(LANE).array(lanes)``
         Of a sensor with CSI-2, instead of ``sensor``; ``sensor_clock`` is that of their bytes.
+    csi_settle, csi_phy, csi_eyes : ``Out(6)``, ``In(9)``, ``In(32)``
+        As of :class:`System`, with ``lanes``.
     sensor_reset_n : ``Out(1)``
     scl, sda, scl_low, sda_low : ``In(1)``, ``Out(1)``
         Lines of the I2C bus to the sensor, and outputs that pull them low.
@@ -143,8 +145,8 @@ class BoardCore(wiring.Component):
                                       late=_WIRES_LATE)
         super().__init__({
             "sensor_clock": In(1), "sensor_reset_n": Out(1),
-            **({"lanes": In(LANE).array(design.link.lanes)} if design.link
-               else {"sensor": In(PINS)}),
+            **({"lanes": In(LANE).array(design.link.lanes), "csi_settle": Out(6),
+                "csi_phy": In(9), "csi_eyes": In(32)} if design.link else {"sensor": In(PINS)}),
             "scl": In(1), "sda": In(1), "scl_low": Out(1), "sda_low": Out(1), "again": In(1),
             "sdram": Out(SdramPins(board.chip)), "receive": In(1), "send": Out(1),
             **({"picture": Out(PICTURE), **dict.fromkeys(BUTTONS, In(1))} if screen else {}),
@@ -214,6 +216,8 @@ class BoardCore(wiring.Component):
             for k, lane in enumerate(self.lanes):
                 m.d.comb += [getattr(system, f"sensor_lane{k}_{name}").eq(getattr(lane, name))
                              for name in LANE.members]
+            m.d.comb += [self.csi_settle.eq(system.csi_settle), system.csi_phy.eq(self.csi_phy),
+                         system.csi_eyes.eq(self.csi_eyes)]
         else:
             m.d.comb += [getattr(system, f"sensor_{name}").eq(getattr(self.sensor, name))
                          for name in PINS.members]

@@ -1,5 +1,6 @@
 """Programs that configure a board without a host: sensor, registers, lenses."""
 
+from ncdc_hdl.camera.csi2.burst_start import settle_clocks
 from ncdc_hdl.camera.i2c import quarter_clocks
 from ncdc_hdl.export.drivers.lenses import Lens
 from ncdc_hdl.registers.program import Op
@@ -26,7 +27,9 @@ def camera_values(setup, corner, clock_hz, i2c_hz=I2C_HZ):
     :func:`configuration_program`."""
     timing, crop = setup.timing, Crop(*corner)
     grid = {"GRID_WEIGHT": crop.weight, "GRID_BIN": crop.binning} if crop.grid else {}
-    lanes = {} if setup.link is None else {"CSI_CHANNEL": 0, "CSI_TYPE": setup.link.data_type}
+    lanes = {} if setup.link is None else {
+        "CSI_CHANNEL": 0, "CSI_TYPE": setup.link.data_type,
+        "CSI_SETTLE": settle_clocks(setup.link.lane_hz)}
     return grid | lanes | {
         "I2C_QUARTER": quarter_clocks(clock_hz, i2c_hz),
         "I2C_LIMIT": round(clock_hz * _HELD_SECONDS),

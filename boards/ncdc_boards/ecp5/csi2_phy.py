@@ -9,16 +9,9 @@ from ncdc_hdl.camera.csi2.burst_start import SETTLE_BITS, BurstCheck, Settling
 from ncdc_hdl.camera.csi2.eye_search import EYE, EyeSearch
 from ncdc_hdl.camera.csi2.layouts import LANE
 
-__all__ = ["Ecp5Csi2Phy", "settle_clocks"]
+__all__ = ["Ecp5Csi2Phy"]
 
 _BITS = 4               # of an IDDRX2F
-
-
-def settle_clocks(lane_hz):
-    """Byte clocks that a lane needs to settle: the middle of T_HS-SETTLE (D-PHY), 85 ns and 6 bits
-    to 145 ns and 10 bits, less the three clocks of registers."""
-    bits = 115e-9 * lane_hz + 8
-    return max(1, round(bits / 8) - 3)
 
 
 class Ecp5Csi2Phy(wiring.Component):

@@ -16,7 +16,7 @@ from ncdc_boards.camera_board.pins import (
     request,
 )
 from ncdc_boards.ecp5.cells import clock_out
-from ncdc_boards.ecp5.csi2_phy import Ecp5Csi2Phy, settle_clocks
+from ncdc_boards.ecp5.csi2_phy import Ecp5Csi2Phy
 from ncdc_boards.ulx3s.clocks import DOMAINS, Ulx3sClocks
 from ncdc_boards.ulx3s.platform import CSI_WIRES
 from ncdc_hdl.video.dvi import Dvi
@@ -77,7 +77,8 @@ class Ulx3sTop(Elaboratable):
         m.d.comb += [
             phy.pair.eq(buffer(m, wires.clock).i), phy.pairs.eq(buffer(m, wires.lanes).i),
             phy.low_power.eq(buffer(m, wires.low_power).i),
-            phy.settle.eq(settle_clocks(link.lane_hz)), core.sensor_clock.eq(phy.clock)]
+            phy.settle.eq(core.csi_settle), core.sensor_clock.eq(phy.clock),
+            core.csi_phy.eq(Cat(phy.ready, phy.failures)), core.csi_eyes.eq(Cat(phy.eyes))]
         for ours, theirs in zip(core.lanes, phy.o):
             connect(m, theirs, ours)
         join_sensor_control(m, core, wires)

@@ -67,7 +67,7 @@ class Stores:
     screens: int = 0
 
 
-def system_registers(stores, grid=None, cameras=(PARALLEL,)):
+def system_registers(stores, grid=None, cameras=(PARALLEL,), phy=False):
     """All registers of a system but the corrector's, by ascending address.
 
     Parameters
@@ -77,9 +77,11 @@ def system_registers(stores, grid=None, cameras=(PARALLEL,)):
         Samples of the longest row that capture's grid stage takes; absent: there is no such stage.
     cameras : sequence of str
         Kinds of camera whose registers there are.
+    phy : bool
+        With those of a PHY for CSI-2.
     """
     camera = (*_control(), *_settings(), *_curve(), *_grid(grid), *_gains(), *_counts(cameras),
-              *_screen(stores), *_i2c(), *_source(cameras))
+              *_screen(stores), *_i2c(), *_source(cameras, phy))
     return (*(_moved(r, CAMERA) for r in camera), *_stores(stores))
 
 
@@ -231,8 +233,8 @@ def _i2c():
     )
 
 
-def _source(cameras):
-    """Settings of the camera's source, and counters of its faults."""
+def _source(cameras, phy):
+    """Settings of the camera's source, counters of its faults, its PHY."""
     registers = {}
     for kind in cameras:
         first = 0x4A if kind == CSI2 else 0x52
@@ -247,7 +249,20 @@ def _source(cameras):
         _rw("CSI_TYPE", 0x49, Bits(6), "Data type of the rows, 0x10 or more: 0x2A RAW8, 0x2B "
             "RAW10, 0x2C RAW12; each byte of any other type is a sample. Only with "
             "`--camera csi2`."))
-    return (*settings, *sorted(registers.values(), key=lambda register: register.address))
+    return sorted((*settings, *registers.values(), *(_phy() if phy else ())),
+                  key=lambda register: register.address)
+
+
+def _phy():
+    where = "Only on a board whose sensor has CSI-2."
+    return (
+        _rw("CSI_SETTLE", 0x51, Bits(6), "Clocks of the bytes for which Dn of a lane is low before "
+            f"the lane is active, less 3. {where}"),
+        Register("CSI_PHY", 0x55, "ro", Bits(9), where,
+                 (Flag("READY", 1, "ro", "the delays of the lanes are chosen"),
+                  Flag("FAILURES", 0x1FE, "ro", "searches without a result, modulo 256"))),
+        _ro("CSI_EYES", 0x56, "Steps of delay, lane 0 in bits 15:0, lane 1 in bits 31:16: the "
+            f"middle of the eye, and in the upper eight bits its width. {where}"))
 
 
 def _stores(stores):

@@ -7,12 +7,19 @@ from amaranth.lib.wiring import In, Out
 
 from ncdc_hdl.camera.csi2.layouts import LANE
 
-__all__ = ["SETTLE_BITS", "BurstCheck", "Settling"]
+__all__ = ["SETTLE_BITS", "BurstCheck", "Settling", "settle_clocks"]
 
 SETTLE_BITS = 6
 """Bits of the number of byte clocks that a lane needs to settle."""
 
 _MARK = 0b10111         # bits 3 to 7 of the sync byte: the first that is one, and those after it
+
+
+def settle_clocks(lane_hz):
+    """Clocks that :class:`Settling` counts for lanes of ``lane_hz`` bits per second: the middle of
+    T_HS-SETTLE (D-PHY), 85 ns and 6 bits to 145 ns and 10 bits, less three clocks of registers."""
+    bits = 115e-9 * lane_hz + 8
+    return max(1, round(bits / 8) - 3)
 
 
 class Settling(wiring.Component):

@@ -30,7 +30,7 @@ def register_doc(hidden_neurons, formats):
                        last=hidden_neurons - 1, skip=4 * SKIP, nodes=4 * NODES,
                        rows="".join(lines), bits=bits, high=16 + bits,
                        system_rows="".join(_rows(
-                           system_registers(stores_for(Hardware(), 2), MAX_SIZE, KINDS))))
+                           system_registers(stores_for(Hardware(), 2), MAX_SIZE, KINDS, phy=True))))
 
 
 def _rows(table):

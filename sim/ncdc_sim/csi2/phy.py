@@ -7,7 +7,8 @@ from amaranth.back import verilog
 from amaranth.lib import wiring
 from amaranth.lib.wiring import In, Out, connect, flipped
 
-from ncdc_boards.ecp5.csi2_phy import Ecp5Csi2Phy, settle_clocks
+from ncdc_boards.ecp5.csi2_phy import Ecp5Csi2Phy
+from ncdc_hdl.camera.csi2.burst_start import settle_clocks
 from ncdc_hdl.camera.csi2.eye_search import EYE
 from ncdc_hdl.camera.csi2.receiver import Receiver
 from ncdc_hdl.camera.samples import samples
