@@ -261,8 +261,8 @@ def _phy():
         Register("CSI_PHY", 0x55, "ro", Bits(9), where,
                  (Flag("READY", 1, "ro", "the delays of the lanes are chosen"),
                   Flag("FAILURES", 0x1FE, "ro", "searches without a result, modulo 256"))),
-        _ro("CSI_EYES", 0x56, "Steps of delay, lane 0 in bits 15:0, lane 1 in bits 31:16: the "
-            f"middle of the eye, and in the upper eight bits its width. {where}"))
+        _ro("CSI_EYES", 0x56, "Steps of delay in the middle of the eye of lane 0 in bits 7:0, of "
+            f"lane 1 in bits 23:16. Widths of the eyes in bits 15:8 and 31:24. {where}"))
 
 
 def _stores(stores):
