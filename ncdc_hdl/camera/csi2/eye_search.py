@@ -64,7 +64,7 @@ class EyeSearch(wiring.Component):
     stride : int
         Pulses of ``move`` from step to step.
     timeout : int
-        In clocks of ``sync``.
+        In clocks of ``sync``; longer than the pause between two frames.
     domain : str
         Clock domain of the bursts.
 
@@ -83,7 +83,7 @@ class EyeSearch(wiring.Component):
         Searches without a result, modulo 256.
     """
 
-    def __init__(self, lanes, *, steps=128, bursts=16, stride=1, timeout=1 << 22,
+    def __init__(self, lanes, *, steps=128, bursts=16, stride=1, timeout=1 << 27,
                  domain="camera"):
         self.lanes, self.steps, self.bursts, self.stride = lanes, steps, bursts, stride
         self.timeout, self.domain = timeout, domain
