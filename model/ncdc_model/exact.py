@@ -6,16 +6,23 @@ another network on another machine. Here a matrix product is exact: its factors 
 of a coarse unit, so that every partial sum fits in the 53 bits of a double. Several such products
 give the precision (the error-free transformation of Ozaki, Ogita, Oishi and Rump, 2012). So the
 library may add in any order. All other operations are elementwise, which IEEE 754 defines exactly.
+``compiled/search.c`` does the same in C.
 """
+
+from decimal import Decimal, localcontext
+from functools import cache
 
 import numpy as np
 
-__all__ = ["cut", "eliminate", "least_squares", "products", "scale_of", "slices", "solve",
-           "triangular"]
+__all__ = ["TANH_STEPS", "cut", "eliminate", "least_squares", "products", "scale_of", "slices",
+           "solve", "tanh", "tanh_table", "total", "triangular"]
+
+TANH_STEPS = 32        # entries of the table of tanh for a change of its argument by 1
 
 _BITS = 21             # fraction bits of a number cut at scale 1, whose limit is 1.4
 _BLOCK = 1024          # terms of one exact sum: 1024 * (1.4 * 2**21)**2 < 2**53
 _TINY = 1e-14          # of the diagonal: a smaller pivot is a rounding error
+_TANH_END = 20         # from here on tanh is 1 in double precision
 
 
 def scale_of(values, axis=None):
@@ -60,6 +67,50 @@ def products(a, b):
                     part = slice(start, start + _BLOCK)
                     total = total + fine[:, :, part] @ other[:, :, part].mT
     return total
+
+
+def total(values):
+    """Sums (...) over the last axis (..., n): the second half is added to the first, and so on."""
+    while values.shape[-1] > 1:
+        half = (values.shape[-1] + 1) // 2
+        head = values[..., :half].copy()
+        head[..., :values.shape[-1] - half] += values[..., half:]
+        values = head
+    return values[..., 0]
+
+
+@cache
+def tanh_table():
+    """Hyperbolic tangents (1281,) of -20, -20 + 1/32, ... 20, correctly rounded."""
+    with localcontext(prec=40):
+        powers = ((Decimal(2 * k) / TANH_STEPS).exp() for k in range(_TANH_END * TANH_STEPS + 1))
+        half = np.array([float((power - 1) / (power + 1)) for power in powers])
+    return np.concatenate([-half[:0:-1], half])
+
+
+def tanh(values):
+    """Hyperbolic tangents of an array, in place: to the last two bits, and the same everywhere.
+
+    NumPy's differ in the last bit between processors. The value at the nearest entry of a table is
+    combined with that of the remainder, at most 1/64, by the addition theorem.
+    """
+    np.clip(values, -_TANH_END, _TANH_END, out=values)
+    entry = np.rint(values * TANH_STEPS)
+    values -= entry * (1 / TANH_STEPS)
+    there = tanh_table()[entry.astype(np.intp) + _TANH_END * TANH_STEPS]
+    square = np.multiply(values, values, out=entry)
+    factor = square * (-17 / 315)
+    factor += 2 / 15
+    factor *= square
+    factor += -1 / 3
+    factor *= square
+    factor *= values
+    values += factor
+    np.multiply(there, values, out=factor)
+    factor += 1
+    values += there
+    values /= factor
+    return values
 
 
 def eliminate(matrix, count):

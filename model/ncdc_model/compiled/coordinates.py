@@ -4,7 +4,7 @@ import ctypes
 
 import numpy as np
 
-from ncdc_model.compiled.library import library, pointer
+from ncdc_model.compiled.library import library, pointer, structure
 from ncdc_model.golden.network import normalised_scan
 from ncdc_spec.nodes import AFTER, BEFORE
 
@@ -76,7 +76,7 @@ def _layers(descriptor):
         skip = d.skip_weights << finest - skipped
     output = np.column_stack([d.output_biases << finest - q.output_bias.f_bits, skip,
                               d.output_weights << finest - weighted])
-    return _structure(_Layers, neurons=d.hidden_neurons, net_shift=products - q.net.f_bits,
+    return structure(_Layers, neurons=d.hidden_neurons, net_shift=products - q.net.f_bits,
                       net_low=q.net.lo, net_high=q.net.hi, shift=finest - q.coordinate.f_bits,
                       low=q.coordinate.lo, high=q.coordinate.hi,
                       hidden=hidden.astype(np.int64), output=output.astype(np.int64))
@@ -91,19 +91,11 @@ def _tansig(design):
                    "segments": np.array(design.coefficients, np.int64)}
         values |= {name: getattr(design, name) for name in
                    ("position_bits", "slope_bits", "offset_bits", "fraction_bits")}
-        return _structure(_Tansig, **values)
+        return structure(_Tansig, **values)
     values |= {"width": design.width, "digits": design.digits, "steps": len(design.shifts),
                "shifts": np.array(design.shifts, np.int32),
                "table": np.array(design.table, np.int32)}
     if design.variant == "mmhbc":
-        return _structure(_Tansig, fine_bits=design.fine_bits, **values)
-    return _structure(_Tansig, start=design.start, angles=np.array(design.angles, np.int32),
+        return structure(_Tansig, fine_bits=design.fine_bits, **values)
+    return structure(_Tansig, start=design.start, angles=np.array(design.angles, np.int32),
                       **values)
-
-
-def _structure(kind, **values):
-    """Address of a structure, which holds on to the arrays that it points to."""
-    arrays = {name: value for name, value in values.items() if isinstance(value, np.ndarray)}
-    structure = kind(**values | {name: pointer(array) for name, array in arrays.items()})
-    structure.arrays = arrays
-    return ctypes.pointer(structure)

@@ -7,15 +7,17 @@ import subprocess
 from functools import cache
 from pathlib import Path
 
+import numpy as np
+
 from ncdc_spec.builds import built, key_of
 from ncdc_spec.errors import InputError
 from ncdc_spec.needs import apt_line
 
-__all__ = ["library", "pointer"]
+__all__ = ["library", "pointer", "structure"]
 
-_SOURCES = ("coordinates.c", "pictures.c")
-# Integer arithmetic wraps as NumPy's does.
-_FLAGS = ("-std=gnu11", "-O3", "-march=native", "-fwrapv", "-fPIC", "-shared")
+_SOURCES = ("coordinates.c", "pictures.c", "products.c", "search.c")
+# Integer arithmetic wraps as NumPy's does, and a product is rounded before it is added.
+_FLAGS = ("-std=gnu11", "-O3", "-march=native", "-fwrapv", "-ffp-contract=off", "-fPIC", "-shared")
 _COMPILERS = ("cc", "gcc", "clang")
 
 
@@ -83,3 +85,11 @@ def pointer(array):
     """Address of a C-contiguous ``array`` for a C function."""
     assert array.flags.c_contiguous
     return ctypes.c_void_p(array.ctypes.data)
+
+
+def structure(kind, **values):
+    """Address of a structure, which holds on to the arrays that it points to."""
+    arrays = {name: value for name, value in values.items() if isinstance(value, np.ndarray)}
+    structure = kind(**values | {name: pointer(array) for name, array in arrays.items()})
+    structure.arrays = arrays
+    return ctypes.pointer(structure)

@@ -2,8 +2,8 @@
 
 import numpy as np
 
+from ncdc_model.training.compiled_batch import batch_kind
 from ncdc_model.training.problem import spread
-from ncdc_model.training.varpro import Batch
 from ncdc_spec.descriptor import FloatNetwork
 
 __all__ = ["train_levenberg"]
@@ -12,6 +12,7 @@ OUTPUT_LIMIT = 2047.0              # pixels, Q12.12
 LINEAR_LIMIT = 8191.0              # pixels, of biases and skip weights, Q14
 RIDGE = 2e-10                      # limits output weights to about 1000 pixels, costs < 1 % in MSE
 SEARCH_POINTS = 700                # the search uses a subset, the polish every point
+_POLISHES, _POLISH = 20, 10        # times so many iterations of the polish, at most
 
 
 def train_levenberg(problem, neurons, seed=0, starts=64, rounds=6, skip=False, progress=None):
@@ -58,7 +59,7 @@ def train_levenberg(problem, neurons, seed=0, starts=64, rounds=6, skip=False, p
 
 class _Search:
     def __init__(self, problem, seed, starts, rounds, skip, progress):
-        self.random, self.skip = np.random.default_rng(seed), skip
+        self.random, self.skip, self.batch = np.random.default_rng(seed), skip, batch_kind()
         self.starts, self.rounds, self.progress = starts, rounds, progress
         self.inputs, targets = problem.inputs, problem.targets
         self.offset = targets.mean(1)
@@ -111,14 +112,13 @@ class _Search:
 
     def _descend(self, theta, share, rivals=None):
         """Successive halving of the starts ``theta``; the survivors and ``rivals``, best first."""
-        batch = Batch(theta, self.inputs[:, self.subset], self.targets[:, self.subset], RIDGE,
-                      self.skip)
+        batch = self.batch(theta, self.inputs[:, self.subset], self.targets[:, self.subset], RIDGE,
+                           self.skip)
         stages = ((25, .4), (50, .4), (100, .5), (150, .5))
         for iterations, part in stages:
-            for _ in range(iterations):
-                batch.step()
-                self.iterations += len(batch.cost)
-                self._record(batch.cost.min())
+            for costs in batch.run(iterations)[1:]:
+                self.iterations += len(costs)
+                self._record(costs.min())
             batch.keep(max(4, int(len(batch.cost) * part)))
         if rivals is not None:
             batch.join(rivals)
@@ -136,17 +136,20 @@ class _Search:
     def _polish(self, batch):
         ridge = RIDGE
         while True:
-            final = Batch(batch.theta, self.inputs, self.targets, ridge, self.skip,
-                          precise=True)
-            for _ in range(200):
-                if not final.step().any() and (final.damping > 1e3).all():
+            final = self.batch(batch.theta, self.inputs, self.targets, ridge, self.skip,
+                               precise=True)
+            for _ in range(_POLISHES):
+                costs = final.run(_POLISH)
+                if (costs[-2] == costs[-1]).all() and (final.damping > 1e3).all():
                     break
             for k in np.argsort(final.cost, kind="stable"):
                 network = self._network(final, k)
                 linear = [network.output_biases] + ([network.skip_weights] if self.skip else [])
                 if (np.abs(network.output_weights).max() < OUTPUT_LIMIT
                         and max(np.abs(part).max() for part in linear) < LINEAR_LIMIT):
-                    mse = float((final.residual[k]**2).sum() / self.inputs.shape[1] * self.scale**2)
+                    weights = (final.output[k, :final.neurons]**2).sum()
+                    mse = float((final.cost[k] - final.ridge * weights) / self.inputs.shape[1]
+                                * self.scale**2)
                     self.curve.append((self.iterations, mse))
                     if self.progress:
                         self.progress(1.0, mse)

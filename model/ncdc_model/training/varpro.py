@@ -2,7 +2,16 @@
 
 import numpy as np
 
-from ncdc_model.exact import cut, eliminate, products, scale_of, slices, solve
+from ncdc_model.exact import (
+    cut,
+    eliminate,
+    products,
+    scale_of,
+    slices,
+    solve,
+    tanh,
+    total,
+)
 
 __all__ = ["BIAS_LIMIT", "WEIGHT_LIMIT", "Batch"]
 
@@ -49,6 +58,10 @@ class Batch:
         self.theta = np.clip(theta, -self.limit, self.limit)
         self.damping = np.full(len(theta), 1e-2)
         self.growth = np.full(len(theta), 2.0)
+        self._start()
+
+    def _start(self):
+        """Evaluate the networks."""
         self.hidden, self.gram, self.output, self.residual, self.cost = self._evaluate(self.theta)
 
     def _hidden(self, theta):
@@ -63,7 +76,8 @@ class Batch:
         net += theta[:, :, 1:2] * y
         net += theta[:, :, 2:3]
         net *= .5
-        np.tanh(net, out=net)
+        for values in net:      # one network at a time stays in the cache
+            tanh(values)
         if self.count == 1:
             cut(net, out=net)
         else:
@@ -83,7 +97,7 @@ class Batch:
         rest[:, :neurons] -= self.ridge * output[:, :neurons]
         output = output + solve(gram, rest)
         residual = self.targets - _apply(output, hidden)
-        cost = (residual**2).sum((1, 2)) + self.ridge * (output[:, :neurons]**2).sum((1, 2))
+        cost = _squares(residual) + self.ridge * _squares(output[:, :neurons])
         return hidden, gram, output, residual, cost
 
     def gauss_newton(self):
@@ -100,7 +114,7 @@ class Batch:
         derivative = [derivative.reshape(starts, 3 * neurons, -1)]
         weights = np.repeat(self.output[:, :neurons], 3, axis=1)                   # (S, 3 HN, 2)
         residual = [cut(self.residual, scale_of(self.residual, (1, 2)))]
-        gradient = (weights * products(derivative, residual)).sum(2)
+        gradient = total(weights * products(derivative, residual))
         # Kaufman's approximation: derivatives minus their projection on the hidden outputs.
         terms = self.gram.shape[1]
         joint = np.empty((starts, terms + 3 * neurons, terms + 3 * neurons))
@@ -112,8 +126,21 @@ class Batch:
         return gradient, eliminate(joint, terms) * (first[:, :, None] * first[:, None]
                                                     + second[:, :, None] * second[:, None])
 
-    def step(self):
-        """One iteration of every network; returns whether each improved, shape (S,)."""
+    def run(self, count):
+        """``count`` iterations of every network.
+
+        Returns
+        -------
+        ndarray, shape (count + 1, S)
+            Costs before the first iteration and after each.
+        """
+        costs = [self.cost.copy()]
+        for _ in range(count):
+            self._step()
+            costs.append(self.cost.copy())
+        return np.array(costs)
+
+    def _step(self):
         starts, neurons, _ = self.theta.shape
         gradient, normal = self.gauss_newton()
         normal, gradient = self._at_bounds(normal, gradient)
@@ -125,8 +152,7 @@ class Batch:
         move = solve(damped, gradient[:, :, None])[:, :, 0]
         trial = np.clip(self.theta + move.reshape(self.theta.shape), -self.limit, self.limit)
         actual = (trial - self.theta).reshape(starts, -1)
-        expected = (2 * (actual * gradient).sum(1)
-                    - ((normal * actual[:, None]).sum(2) * actual).sum(1))
+        expected = 2 * total(actual * gradient) - total(total(normal * actual[:, None]) * actual)
         hidden, gram, output, residual, cost = self._evaluate(trial)
         gain = (self.cost - cost) / np.maximum(np.abs(expected), 1e-300)
         better = cost < self.cost
@@ -137,7 +163,6 @@ class Batch:
         self.damping = np.clip(np.where(better, self.damping * shrink,
                                         self.damping * self.growth), 1e-10, 1e10)
         self.growth = np.where(better, 2.0, np.minimum(self.growth * 2, 64))
-        return better
 
     def _replace(self, better, theta, hidden, gram, output, residual, cost):
         for name, new in (("theta", theta), ("hidden", hidden), ("gram", gram),
@@ -182,6 +207,11 @@ class Batch:
     def _select(self, which):
         for name in self._STATE:
             setattr(self, name, np.take(getattr(self, name), which, 1 if name == "hidden" else 0))
+
+
+def _squares(values):
+    """Sums (S,) of the squares of ``values`` (S, n, m)."""
+    return total((values**2).reshape(len(values), -1))
 
 
 def _apply(output, hidden):
