@@ -129,7 +129,7 @@ def _digest(content):
     return hashlib.sha256(content).hexdigest()[:12]
 
 
-def training_grid(back_map, geometry, grid=GRID, border=BORDER, without=None):
+def training_grid(back_map, geometry, grid=GRID, border=BORDER, mask=None, without=None):
     """Exact training pairs (u, v, x, y) of a known map, each of shape (N,).
 
     They are a grid over the valid part of the corrected frame and points along the border of the
@@ -144,6 +144,9 @@ def training_grid(back_map, geometry, grid=GRID, border=BORDER, without=None):
         Columns and rows.
     border : int
         Points on the border, at most.
+    mask : ndarray of bool, shape (height, width), optional
+        The valid pixels, if they are known: those of
+        :func:`~ncdc_model.golden.valid.valid_mask`.
     without : ndarray of bool, shape (height, width), optional
         Pixels from which no pair is taken.
 
@@ -153,7 +156,7 @@ def training_grid(back_map, geometry, grid=GRID, border=BORDER, without=None):
         If too little of the frame has a source.
     """
     width, height = geometry.corrected
-    mask = valid_mask(back_map, geometry)
+    mask = valid_mask(back_map, geometry) if mask is None else mask
     if mask.mean() < .05:
         raise InputError(f"only {100 * mask.mean():.1f} % of the corrected frame has a source, "
                          f"5 % is the limit; give another zoom")

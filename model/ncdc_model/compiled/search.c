@@ -10,6 +10,8 @@
 
 #define SLICES 2                /* of the hidden outputs, at most */
 #define TINY 1e-14              /* of the diagonal: a smaller pivot is a rounding error */
+#define MOST_DAMPED 1e10
+#define MOST_GROWTH 64.
 #define ALIGNED 64              /* bytes */
 
 struct points {                 /* rows of `stride` numbers, zeros after the first `count` */
@@ -327,16 +329,25 @@ static void one_network(const struct points *p, int steps, double *theta, double
                         struct state s[2], const struct work *w)
 {
     const size_t terms = terms_of(p);
+    int moved = 1, stuck = 0;
     evaluate(p, theta, &s[0], w);
     costs[0] = s[0].cost;
     for (int step = 1; step <= steps; step++) {
-        gauss_newton(p, &s[0], w);
-        hold(p, theta, w);
+        costs[step * pitch] = s[0].cost;
+        if (stuck)
+            continue;
+        if (moved) {
+            gauss_newton(p, &s[0], w);
+            hold(p, theta, w);
+        }
         const double expected = tried(p, theta, *damping, w);
         evaluate(p, w->trial, &s[1], w);
         const double gain = (s[0].cost - s[1].cost) / fmax(fabs(expected), 1e-300);
+        moved = s[1].cost < s[0].cost;
+        /* Once the damping and its growth are at their limits, a step that failed fails again. */
+        stuck = !moved && *damping == MOST_DAMPED && *growth == MOST_GROWTH;
         /* Nielsen's rule: shrink by the quality of the quadratic model, grow progressively. */
-        if (s[1].cost < s[0].cost) {
+        if (moved) {
             const double off = 2 * gain - 1, shrink = 1 - off * off * off;
             const struct state other = s[0];
             s[0] = s[1];
@@ -346,9 +357,9 @@ static void one_network(const struct points *p, int steps, double *theta, double
             *growth = 2;
         } else {
             *damping *= *growth;
-            *growth = fmin(*growth * 2, 64);
+            *growth = fmin(*growth * 2, MOST_GROWTH);
         }
-        *damping = fmin(fmax(*damping, 1e-10), 1e10);
+        *damping = fmin(fmax(*damping, 1e-10), MOST_DAMPED);
         costs[step * pitch] = s[0].cost;
     }
     memcpy(output, s[0].output, 2 * terms * sizeof(double));

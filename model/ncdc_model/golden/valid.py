@@ -8,10 +8,11 @@ from scipy.spatial import cKDTree
 
 from ncdc_spec.geometry import ValidRows
 
-__all__ = ["Calibrated", "REACH", "grid_pitch", "grown", "lost_pixels", "valid_mask", "valid_rows"]
+__all__ = ["Calibrated", "Masks", "REACH", "connected", "grid_pitch", "grown", "lost_pixels",
+           "masks_of", "valid_mask", "valid_rows"]
 
 REACH = 2.0            # grid pitches beyond the calibrated points that count as covered
-_ROWS = 128            # corrected rows at a time: bounds the memory
+_PIXELS = 1 << 15      # corrected pixels at a time, in whole rows: they stay in the cache
 
 
 @dataclass(frozen=True)
@@ -39,15 +40,23 @@ class Calibrated:
     y: np.ndarray
     reach: float
 
-    def mask(self, map_function, geometry):
-        """Pixels that the points cover: bool (corrected height, width)."""
-        mask, hull = self._near(geometry), self._hull(geometry)
-        for rows, x, y in _bands(map_function, geometry):
-            inside = geometry.window_inside(x, y)
+    def covering(self, geometry):
+        """The function that gives the covered ones, a bool array, of (rows, x, y, inside).
+
+        ``rows`` is a slice of corrected rows, ``x`` and ``y`` their sources and ``inside`` whether
+        their windows lie in the image.
+        """
+        near, hull = self._near(geometry), self._hull(geometry)
+
+        def covered(rows, x, y, inside):
             column = np.where(inside, x, 0).round().astype(np.int64)
             row = np.where(inside, y, 0).round().astype(np.int64)
-            mask[rows] = inside & (hull[row, column] | mask[rows])
-        return mask
+            return inside & (hull[row, column] | near[rows])
+        return covered
+
+    def mask(self, map_function, geometry):
+        """Pixels that the points cover: bool (corrected height, width)."""
+        return masks_of(map_function, geometry, self.covering(geometry)).covered
 
     def _near(self, geometry):
         """Pixels within ``reach`` of a point: bool (corrected height, width)."""
@@ -83,6 +92,39 @@ def grid_pitch(photos):
     return float(np.median(np.concatenate(nearest))) if nearest else 0.0
 
 
+@dataclass(frozen=True)
+class Masks:
+    """Corrected pixels by their sources: bool (height, width) each.
+
+    ``inside``: the window of the source lies in the distorted image; ``unfolded``: besides, the
+    map does not fold back there; ``covered``: calibrated points cover it (None if not asked for).
+    """
+    inside: np.ndarray
+    unfolded: np.ndarray
+    covered: np.ndarray | None
+
+
+def masks_of(map_function, geometry, covering=None):
+    """:class:`Masks` of a map, which is evaluated once.
+
+    ``covering``: function of :meth:`Calibrated.covering`. Other arguments as of
+    :func:`valid_mask`.
+    """
+    shape = geometry.corrected[::-1]
+    inside, unfolded = np.empty(shape, bool), np.empty(shape, bool)
+    covered = None if covering is None else np.empty(shape, bool)
+    for rows, own, x, y in _bands(map_function, geometry):
+        # Without a source at a neighbour there is no derivative, and no fold is detected.
+        folded = (np.gradient(x, axis=1) * np.gradient(y, axis=0)
+                  - np.gradient(x, axis=0) * np.gradient(y, axis=1)) <= 0
+        x, y, folded = x[own], y[own], folded[own]
+        inside[rows] = geometry.window_inside(x, y)
+        unfolded[rows] = inside[rows] & ~folded
+        if covered is not None:
+            covered[rows] = covering(rows, x, y, inside[rows])
+    return Masks(inside, unfolded, covered)
+
+
 def valid_mask(map_function, geometry, within=None):
     """Corrected pixels that have a source: bool (height, width).
 
@@ -100,28 +142,25 @@ def valid_mask(map_function, geometry, within=None):
     within : ndarray of bool, shape (height, width), optional
         Pixels that can have a source at all.
     """
-    mask = np.empty(geometry.corrected[::-1], bool)
-    for rows, x, y in _bands(map_function, geometry, halo=1):
-        # Without a source at a neighbour there is no derivative, and no fold is detected.
-        folded = (np.gradient(x, axis=1) * np.gradient(y, axis=0)
-                  - np.gradient(x, axis=0) * np.gradient(y, axis=1)) <= 0
-        first = min(rows.start, 1)
-        own = slice(first, first + rows.stop - rows.start)
-        mask[rows] = (geometry.window_inside(x, y) & ~folded)[own]
-    return _connected(mask if within is None else mask & within)
+    mask = masks_of(map_function, geometry).unfolded
+    return connected(mask if within is None else mask & within)
 
 
-def _bands(map_function, geometry, halo=0):
-    """Bands of the frame: (slice of rows, x, y), with ``halo`` rows more on either side."""
+def _bands(map_function, geometry):
+    """Bands of the frame with a row more on either side: (rows of the frame, their rows in the
+    band, x, y), the first two slices."""
     width, height = geometry.corrected
-    for top in range(0, height, _ROWS):
-        rows = slice(top, min(top + _ROWS, height))
-        v = np.arange(max(top - halo, 0), min(rows.stop + halo, height), dtype=np.float64)
+    step = max(1, _PIXELS // width)
+    for top in range(0, height, step):
+        rows = slice(top, min(top + step, height))
+        first = max(top - 1, 0)
+        v = np.arange(first, min(rows.stop + 1, height), dtype=np.float64)
         v, u = np.meshgrid(v, np.arange(width, dtype=np.float64), indexing="ij")
-        yield rows, *map_function(u, v)
+        yield rows, slice(top - first, rows.stop - first), *map_function(u, v)
 
 
-def _connected(mask):
+def connected(mask):
+    """The part of ``mask`` that is connected to its middle, or its largest part."""
     count, labels = cv2.connectedComponents(mask.astype(np.uint8), connectivity=4)
     middle = labels[mask.shape[0] // 2, mask.shape[1] // 2]
     if not middle and count > 1:

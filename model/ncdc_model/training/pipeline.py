@@ -11,7 +11,7 @@ from ncdc_model.evaluate import (
     float_map,
 )
 from ncdc_model.golden.nodes import interpolated_map, largest_nodes
-from ncdc_model.golden.valid import grown, lost_pixels, valid_mask
+from ncdc_model.golden.valid import connected, lost_pixels, masks_of
 from ncdc_model.training.choices import TrainingChoices
 from ncdc_model.training.problem import split
 from ncdc_model.training.rounding import fitted_formats, round_network
@@ -26,7 +26,6 @@ __all__ = ["TrainedCamera", "describe", "train_camera"]
 MIN_VALID = 0.05     # of the corrected frame
 
 _KINDS = "map_error_float_px", "map_error_fixed_px"
-_SMOOTH = 16           # corrected pixels: tolerance of the border by the smooth lens
 
 
 @dataclass(frozen=True)
@@ -162,17 +161,13 @@ def _regions(source, network, nodes=1):
     """
     geometry = source.geometry
     back_map = source.back_map or interpolated_map(float_map(network, geometry), nodes)
-    within = covered = None
-    if source.smooth_map:
-        within = grown(valid_mask(source.smooth_map, geometry), _SMOOTH)
-    if source.calibrated:
-        covered = source.calibrated.mask(back_map, geometry)
-    mask = valid_mask(back_map, geometry, within)
+    masks = masks_of(back_map, geometry, source.covering)
+    mask = connected(masks.unfolded if source.within is None else masks.unfolded & source.within)
     if mask.mean() < MIN_VALID:
         raise InputError(f"only {100 * mask.mean():.1f} % of the corrected frame has a source with "
                          f"{network.hidden_neurons} hidden neurons, {100 * MIN_VALID:.0f} % is "
                          f"the limit")
-    return mask, covered
+    return mask, masks.covered
 
 
 def _error_tables(draft, source, out, frame):

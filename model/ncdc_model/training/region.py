@@ -99,16 +99,17 @@ class Region:
         return off - terms @ solution
 
 
-def region_of(frame, geometry):
+def region_of(frame, inside):
     """:class:`Region` of the corrected picture of an :class:`IdealFrame`.
 
     Parameters
     ----------
     frame : ncdc_model.calibration.frame.IdealFrame
-    geometry : Geometry
+    inside : ndarray of bool, shape (height, width)
+        Corrected pixels with a source by the smooth lens of ``frame``.
     """
     smooth = frame.camera.back_map
-    u, v, border = _pixels(smooth, geometry)
+    u, v, border = _pixels(inside)
     at = np.stack(smooth(u, v), axis=1)
     known = np.stack(smooth(*frame.corrected.T), axis=1)
     usable = np.isfinite(known).all(axis=1)
@@ -118,12 +119,9 @@ def region_of(frame, geometry):
     return Region(u, v, x, y, sigma, ~_inside(known + rest, np.stack([x, y], axis=1)), border)
 
 
-def _pixels(smooth, geometry):
-    """Corrected pixels with a source by the smooth lens: a grid of them, and their border."""
-    width, height = geometry.corrected
-    step = max(1, round(max(width, height) / _STEP))
-    u, v = np.meshgrid(np.arange(width), np.arange(height))
-    valid = geometry.window_inside(*smooth(u.astype(np.float64), v.astype(np.float64)))
+def _pixels(valid):
+    """Columns and rows of a grid of ``valid`` pixels and of their border, and which are these."""
+    step = max(1, round(max(valid.shape) / _STEP))
     rows, columns = border_pixels(valid, _BORDER)
     start = step // 2
     rows_even, columns_even = np.nonzero(valid[start::step, start::step])

@@ -14,7 +14,7 @@ from ncdc_model.calibration.points_csv import is_points_csv, load_csv
 from ncdc_model.calibration.quality import uneven
 from ncdc_model.calibration.remap_file import are_remap_files
 from ncdc_model.calibration.remap_source import load_remap
-from ncdc_model.golden.valid import REACH, Calibrated, grid_pitch
+from ncdc_model.golden.valid import REACH, Calibrated, Masks, connected, grid_pitch, grown, masks_of
 from ncdc_model.training.region import region_of
 from ncdc_spec.errors import InputError
 from ncdc_spec.files import parse_text, read_bytes
@@ -26,6 +26,7 @@ __all__ = ["Source", "is_points_file", "load_points", "load_source"]
 
 _GRAIN = 2.0**20       # parts of a pixel to which pairs are rounded
 _ANCHORS = 31, 21      # columns and rows of the grid of anchors over the whole frame
+_SMOOTH = 16           # corrected pixels: tolerance of the border by the smooth lens
 
 
 @dataclass(frozen=True)
@@ -42,10 +43,10 @@ class Source:
     geometry : Geometry
     back_map : callable or None
         The exact map (u, v) -> (x, y) over the whole frame, from a camera file or remap tables.
-    calibrated : Calibrated or None
-        The part of the map that points cover, if there is no exact map.
-    smooth_map : callable or None
-        The smooth lens that was fitted to the points.
+    covering : callable or None
+        Function of :meth:`Calibrated.covering`, if there is no exact map.
+    smooth : Masks or None
+        Sources by the smooth lens that was fitted to the points.
     anchors : (u, v, x, y) or None
         Pairs of the smooth lens where the points do not cover the frame: without them the network
         would diverge there.
@@ -63,8 +64,8 @@ class Source:
     pairs: tuple
     geometry: Geometry
     back_map: object = None
-    calibrated: Calibrated | None = None
-    smooth_map: object = None
+    covering: object = None
+    smooth: Masks | None = None
     anchors: tuple | None = None
     provenance: dict = field(default_factory=dict)
     frame: IdealFrame | None = None
@@ -73,7 +74,12 @@ class Source:
     @cached_property
     def region(self):
         """:class:`~ncdc_model.training.region.Region` of points; None without points."""
-        return region_of(self.frame, self.geometry) if self.frame else None
+        return region_of(self.frame, self.smooth.inside) if self.frame else None
+
+    @cached_property
+    def within(self):
+        """Pixels (height, width) near those with a source by the smooth lens; None without it."""
+        return grown(connected(self.smooth.unfolded), _SMOOTH) if self.smooth else None
 
     def __post_init__(self):
         for name in ("pairs", "anchors"):
@@ -202,11 +208,11 @@ def _of_points(path, points, kind, size, zoom, options):
                   "points_dropped": sum(frame.rejected.values()),
                   **({"page": points.page} if points.page else {}),
                   "homography": matrices[0] if len(matrices) == 1 else matrices}
-    calibrated = Calibrated(u, v, x, y, REACH * pitch)
-    smooth = frame.camera.back_map
-    anchors = training_grid(smooth, geometry, _ANCHORS, sum(_ANCHORS),
-                            without=calibrated.mask(smooth, geometry))
-    return Source((u, v, x, y), geometry, calibrated=calibrated, smooth_map=smooth,
+    covering = Calibrated(u, v, x, y, REACH * pitch).covering(geometry)
+    smooth = masks_of(frame.camera.back_map, geometry, covering)
+    anchors = training_grid(frame.camera.back_map, geometry, _ANCHORS, sum(_ANCHORS),
+                            connected(smooth.unfolded), smooth.covered)
+    return Source((u, v, x, y), geometry, covering=covering, smooth=smooth,
                   anchors=anchors, provenance=provenance, frame=frame,
                   facts={"warnings": uneven(points, frame)})
 
