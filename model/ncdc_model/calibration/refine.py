@@ -7,7 +7,6 @@ from ncdc_model.exact import solve
 __all__ = ["refine"]
 
 _STEPS = 200
-_PROBE = 4.0           # px: root of the sum of squares by which a probe moves the residuals
 _GRAIN = 2.0**-14      # of what moves the residuals by 1 px: the result is a multiple of it
 _DONE = 2.0**-12 * _GRAIN   # a step below it is the last: starts differ from machine to machine
 _DAMPED = 1e-6, 1e3    # smallest damping of a step that has to be repeated, and when to give up
@@ -27,8 +26,7 @@ def refine(residuals, derivatives, start, robust):
     residuals : callable
         Array of residuals of a vector of parameters, in pixels.
     derivatives : callable
-        Takes a vector and the steps by which each parameter is moved to either side. Returns the
-        derivatives of the residuals by the parameters, one row per parameter.
+        Derivatives of the residuals by the parameters of a vector, one row per parameter.
     start : ndarray
         Close to the minimum. If no step lowers the cost, it is returned rounded.
     robust : float
@@ -39,9 +37,9 @@ def refine(residuals, derivatives, start, robust):
     jacobian = None
     for _ in range(_STEPS):
         if jacobian is None:
-            jacobian = derivatives(here, _PROBE * scale) * scale[:, None]
+            jacobian = derivatives(here) * scale[:, None]
             weighted = jacobian * np.minimum(1.0, robust / np.maximum(np.abs(value), 1e-300))
-            normal = np.array([(weighted * row).sum(1) for row in jacobian])
+            normal = weighted @ jacobian.T      # its last bits only change how fast a step leads
             slope = (weighted * value).sum(1)
         damped = normal + damping * np.diag(np.diag(normal))
         step = solve(damped[None], -slope[None, :, None])[0, :, 0]
@@ -62,8 +60,7 @@ def refine(residuals, derivatives, start, robust):
 
 def _scales(derivatives, here):
     """Powers of two: changes of each parameter that move the residuals by about 1 px."""
-    small = 1e-6 * np.maximum(np.abs(here), 1e-3)
-    moved = np.sqrt((derivatives(here, small)**2).sum(axis=1))
+    moved = np.sqrt((derivatives(here)**2).sum(axis=1))
     return 2.0**-np.rint(np.log2(np.maximum(moved, 1e-12)))
 
 

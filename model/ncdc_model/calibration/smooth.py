@@ -6,7 +6,7 @@ import numpy as np
 
 from ncdc_model.calibration.refine import refine
 from ncdc_model.calibration.smooth_problem import MIN_POINTS, ROBUST, Problem
-from ncdc_model.calibration.smooth_vector import camera_of, project, unpack
+from ncdc_model.calibration.smooth_vector import camera_of, planes_of, project
 from ncdc_model.lens import Camera
 from ncdc_spec.errors import InputError
 
@@ -95,13 +95,12 @@ def fit_smooth(size, photos, near=None, rough=False):
                             problem.part().searched())
     vector = start if rough else refine(
         lambda vector: problem.residuals(vector, prior),
-        lambda vector, steps: problem.derivatives(vector, steps, prior, flawed), start,
-        ROBUST)
+        lambda vector: problem.derivatives(vector, prior, flawed), start, ROBUST)
     typical = np.median(np.abs(problem.residuals(vector, prior)))
     if not typical < 0.02 * max(size):
         raise InputError(f"no smooth lens explains the points: half of them are off by more than "
                          f"{typical:.1f} pixels")
-    return SmoothFit(camera_of(vector, size), tuple(unpack(vector)[1]), vector, prior, flawed)
+    return SmoothFit(camera_of(vector, size), tuple(planes_of(vector)), vector, prior, flawed)
 
 
 def misfit(size, photos):

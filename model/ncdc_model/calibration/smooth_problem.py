@@ -3,7 +3,16 @@
 import numpy as np
 from scipy.optimize import least_squares
 
-from ncdc_model.calibration.smooth_vector import FLAWS, LENS, TERMS, guess, project, unpack
+from ncdc_model.calibration.smooth_derivatives import derivatives
+from ncdc_model.calibration.smooth_vector import (
+    FLAWS,
+    LENS,
+    TERMS,
+    guess,
+    lens_of,
+    planes_of,
+    project,
+)
 
 __all__ = ["MIN_POINTS", "ROBUST", "Problem"]
 
@@ -28,8 +37,6 @@ _MIN_PRIOR = np.array([0.01] * (5 + TERMS) + [0.1] * 2 + [0.01] * 6)
 # a bent page, or an uneven lens.
 _EXPLAINS = 1.0, 0.4
 _SETTLED = 0.8         # of the prior's last weight: with less the fit is repeated
-_BLOCK = 1 << 15       # numbers that are computed at a time
-_PROBE = 1e-6          # of a parameter: step of a derivative
 _SOME = 600            # points of all photos that are used in a search
 _ROUNDS = 6            # of fits, each with the prior's weight from the residual of the previous one
 
@@ -53,51 +60,43 @@ class Problem:
         return Problem(self.size, [(index[some], xy[some]) for index, xy, some in
                                    zip(self.indices, self.points, chosen)])
 
-    def errors(self, vectors):
-        """Pixels (..., 2 n) from each point to its projection, of vectors (..., m)."""
-        lens, planes = unpack(vectors)
+    def errors(self, vector):
+        """Pixels (2 n,) from each point to its projection."""
         i, j = self.cells.T
-        rays = (planes[..., self.owner, axis, 0] * i + planes[..., self.owner, axis, 1] * j
-                + planes[..., self.owner, axis, 2] for axis in range(3))
-        off = np.stack(project(lens, *rays), axis=-1) - self.measured
-        return np.nan_to_num(off.reshape(*off.shape[:-2], -1), nan=1e4)
+        planes = planes_of(vector)[self.owner]
+        rays = (planes[:, axis, 0] * i + planes[:, axis, 1] * j + planes[:, axis, 2]
+                for axis in range(3))
+        off = np.stack(project(lens_of(vector), *rays), axis=1) - self.measured
+        return np.nan_to_num(off.ravel(), nan=1e4)
 
-    def residuals(self, vectors, prior=1.0):
-        """Errors, and ``prior`` times the deviation from the prior, of vectors (..., m)."""
-        lens = vectors[..., :LENS].copy()
-        lens[..., 0] = np.log(np.maximum(lens[..., 0], 1.0) / self.size[0])
-        lens[..., 1:3] = (lens[..., 1:3] - (np.array(self.size) - 1) / 2) / self.size[0]
-        deviation = np.maximum(prior, _MIN_PRIOR) * self.prior_scale * (lens - _MEAN)
-        return np.concatenate([self.errors(vectors), deviation], axis=-1)
+    def residuals(self, vector, prior=1.0):
+        """Errors, and ``prior`` times the deviation from the prior."""
+        lens = vector[:LENS].copy()
+        lens[0] = np.log(max(lens[0], 1.0) / self.size[0])
+        lens[1:3] = (lens[1:3] - (np.array(self.size) - 1) / 2) / self.size[0]
+        return np.concatenate([self.errors(vector), self._weight(prior) * (lens - _MEAN)])
 
-    def derivatives(self, vector, steps, prior=1.0, flawed=True):
-        """Derivatives of the residuals by each parameter, moved by ``steps`` to either side: a row
-        each, of zeros for the flaws of a camera that is not ``flawed``.
+    def derivatives(self, vector, prior=1.0, flawed=True):
+        """Derivatives of the residuals by each parameter: a row each, of zeros for the flaws of a
+        camera that is not ``flawed``."""
+        points = 2 * len(self.owner)
+        rows = np.zeros((len(vector), points + LENS))
+        rows[:, :points] = derivatives(vector, self.cells, self.owner).reshape(len(vector), -1)
+        scale = np.ones(LENS)
+        scale[:3] = (vector[0] > 1) / max(vector[0], 1.0), 1 / self.size[0], 1 / self.size[0]
+        rows[np.arange(LENS), points + np.arange(LENS)] = self._weight(prior) * scale
+        if not flawed:
+            rows[:LENS][FLAWS] = 0
+        return np.nan_to_num(rows, copy=False)
 
-        A photo's pose moves its own points only, so that all poses are moved together.
-        """
-        points, poses = 2 * len(self.owner), LENS + np.arange(6)
-        probes = [*np.flatnonzero(~FLAWS | flawed), *poses]
-        moves = np.zeros((len(probes), len(vector)))
-        for move, number in zip(moves, probes):
-            which = slice(number, None, 6) if number >= LENS else number
-            move[which] = steps[which]
-        limit = max(1, _BLOCK // points)
-        moved = np.concatenate([
-            (self.residuals(vector + part, prior) - self.residuals(vector - part, prior)) / 2
-            for part in (moves[k:k + limit] for k in range(0, len(moves), limit))])
-        rows = np.zeros((len(vector), moved.shape[1]))
-        rows[probes[:-6]] = moved[:-6] / steps[probes[:-6]][:, None]
-        own = np.repeat(6 * self.owner, 2)
-        for move, number in zip(moved[-6:], poses):
-            rows[number + own, np.arange(points)] = move[:points] / steps[number + own]
-        return rows
+    def _weight(self, prior):
+        return np.maximum(prior, _MIN_PRIOR) * self.prior_scale
 
     def solved(self, start, prior=1.0, flawed=False):
         """Result of a robust least squares from ``start``."""
         return least_squares(
-            self.residuals, start, lambda vector, prior: self.derivatives(
-                vector, _PROBE * np.maximum(np.abs(vector), 1e-3), prior, flawed).T,
+            self.residuals, start,
+            lambda vector, prior: self.derivatives(vector, prior, flawed).T,
             method="dogbox", x_scale="jac", loss="huber", f_scale=ROBUST, max_nfev=100, ftol=1e-6,
             args=(prior,))
 

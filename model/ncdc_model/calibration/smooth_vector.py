@@ -1,10 +1,9 @@
-"""A smooth camera and the poses of a target as one vector of numbers, or many vectors at once.
+"""A smooth camera and the poses of a target as one vector of numbers.
 
 In this order: focal length, centre, k, p and its higher terms, s0 and s2, tilt of the sensor,
 aspect of its pixels, ratio of the target's distances, then six numbers a photo.
 """
 
-from functools import lru_cache
 from types import SimpleNamespace
 
 import numpy as np
@@ -12,64 +11,52 @@ from scipy.spatial.transform import Rotation
 
 from ncdc_model.lens import AsymmetricSurface, BrownWeng, Camera, Frame, KannalaBrandt, TiltedSensor
 
-__all__ = ["FLAWS", "LENS", "TERMS", "camera_of", "guess", "project", "unpack"]
+__all__ = ["FLAWS", "LENS", "MAX_RATIO", "TERMS", "camera_of", "guess", "lens_of", "planes_of",
+           "project", "tilt_matrix"]
 
 TERMS = 4              # of the radial polynomial
 LENS = 3 + TERMS + 4 + 2 + 2 + 1 + 1      # parameters of the lens
 # The higher terms of a decentring, a tilted sensor and pixels that are not square.
 FLAWS = np.isin(np.arange(LENS), [5 + TERMS, 6 + TERMS, *range(9 + TERMS, 12 + TERMS)])
 
-_MAX_RATIO = 0.15, 0.10   # differences of the pixels' aspect and the target's ratio from 1
+MAX_RATIO = 0.15, 0.10   # differences of the pixels' aspect and the target's ratio from 1
 
 
-class _Tilts:
-    """Tilted sensors, one a vector, that take arrays (..., n)."""
-
-    def __init__(self, angles):
-        matrices = [_tilt(*pair) for pair in angles.reshape(-1, 2).tolist()]
-        self.matrix = np.moveaxis(np.reshape(matrices, (*angles.shape[:-1], 1, 3, 3)), (-2, -1),
-                                  (0, 1))
-
-    def distort(self, x, y):
-        """Point on the tilted sensor of a point on the parallel one."""
-        return TiltedSensor.distort(self, x, y)
-
-
-@lru_cache(maxsize=64)
-def _tilt(about_x, about_y):
+def tilt_matrix(about_x, about_y):
+    """Homography (3, 3) onto a sensor that is tilted by two angles in radians."""
     return TiltedSensor((about_x, about_y)).matrix
 
 
-def unpack(vectors):
-    """Lens and planes (..., photos, 3, 3) of vectors (..., m): the lens, then six numbers per
-    photo. The numbers of the lens have a last axis of length one, for points."""
-    focal, cx, cy, *rest = (vectors[..., k, None] for k in range(LENS))
-    k, (p0, p1, p2, p3, s0, s2, _, _, aspect, ratio) = rest[:TERMS], rest[TERMS:]
-    aspect, ratio = (1 + limit * np.tanh(value / limit)
-                     for value, limit in zip((aspect, ratio), _MAX_RATIO))
-    lens = SimpleNamespace(
-        focal=focal, centre=(cx, cy), aspect=aspect, radial=SimpleNamespace(k=k),
-        decentring=BrownWeng(p=(p0, p1, p2, p3), s=(s0, 0.0, s2, 0.0)),
-        tilt=_Tilts(vectors[..., LENS - 4:LENS - 2]))
-    poses = vectors[..., LENS:].reshape(*vectors.shape[:-1], -1, 6)
-    turns = Rotation.from_rotvec(poses[..., :3].reshape(-1, 3)).as_matrix()
-    turns = turns.reshape(*poses.shape[:-1], 3, 3)
-    planes = np.stack([turns[..., 0], ratio[..., None] * turns[..., 1], poses[..., 3:]], axis=-1)
-    return lens, planes
+def lens_of(vector):
+    """The lens of a vector: what :func:`project` needs of a :class:`Camera`."""
+    focal, cx, cy, *rest = vector[:LENS].tolist()
+    k, (p0, p1, p2, p3, s0, s2, *tilt, aspect, _) = rest[:TERMS], rest[TERMS:]
+    return SimpleNamespace(
+        focal=focal, centre=(cx, cy), aspect=_ratio(aspect, MAX_RATIO[0]),
+        radial=KannalaBrandt(tuple(k)), tilt=TiltedSensor(tuple(tilt)),
+        decentring=BrownWeng(p=(p0, p1, p2, p3), s=(s0, 0.0, s2, 0.0)))
+
+
+def planes_of(vector):
+    """Planes (photos, 3, 3) of a vector: they take (column, row, 1) to a direction."""
+    poses = vector[LENS:].reshape(-1, 6)
+    planes = Rotation.from_rotvec(poses[:, :3]).as_matrix()
+    planes[:, :, 1] *= _ratio(vector[LENS - 1], MAX_RATIO[1])
+    planes[:, :, 2] = poses[:, 3:]
+    return planes
+
+
+def _ratio(value, limit):
+    """The ratio that a number without limits stands for."""
+    return 1 + limit * np.tanh(value / limit)
 
 
 def camera_of(vector, size):
-    """The :class:`Camera` of one vector."""
-    lens, _ = unpack(vector)
-    (focal,), (aspect,), ((cx,), (cy,)) = lens.focal, lens.aspect, lens.centre
-    return Camera(
-        size=tuple(size), radial=KannalaBrandt(tuple(float(k[0]) for k in lens.radial.k)),
-        focal=float(focal), centre=(float(cx), float(cy)),
-        frame=Frame(tuple(size), float(focal), (float(cx), float(cy))),
-        decentring=BrownWeng(p=tuple(float(p[0]) for p in lens.decentring.p),
-                             s=tuple(float(np.ravel(s)[0]) for s in lens.decentring.s)),
-        tilt=TiltedSensor(tuple(vector[LENS - 4:LENS - 2].tolist())),
-        surface=AsymmetricSurface(tuple(size)), aspect=float(aspect))
+    """The :class:`Camera` of a vector."""
+    lens = lens_of(vector)
+    return Camera(size=tuple(size), frame=Frame(tuple(size), lens.focal, lens.centre),
+                  surface=AsymmetricSurface(tuple(size)),
+                  **vars(lens) | {"aspect": float(lens.aspect)})
 
 
 def project(camera, x, y, z):

@@ -51,9 +51,11 @@ def interpolated_map(back_map, nodes):
             k = u // nodes
             return tuple(sums_between(*p, u - k * nodes, nodes) / (4 * nodes**2)
                          for p in zip(*values))
-        tables = back_map(*np.meshgrid(grid, rows))
-        return tuple(between(lambda k: table[row, (k - first).astype(np.int64)], u, nodes)
-                     / (4 * nodes**2) for table in tables)
+        k = np.floor_divide(u, nodes)
+        at = row * grid.size + (k - first).astype(np.int64)
+        tables = (table.ravel() for table in back_map(*np.meshgrid(grid, rows)))
+        return tuple(sums_between(*(table[at + step] for step in (-1, 0, 1, 2)), u - k * nodes,
+                                  nodes) / (4 * nodes**2) for table in tables)
     return interpolate
 
 

@@ -115,9 +115,9 @@ def masks_of(map_function, geometry, covering=None):
     covered = None if covering is None else np.empty(shape, bool)
     for rows, own, x, y in _bands(map_function, geometry):
         # Without a source at a neighbour there is no derivative, and no fold is detected.
-        folded = (np.gradient(x, axis=1) * np.gradient(y, axis=0)
-                  - np.gradient(x, axis=0) * np.gradient(y, axis=1)) <= 0
-        x, y, folded = x[own], y[own], folded[own]
+        folded = (np.gradient(x, axis=1)[own] * np.gradient(y, axis=0)[own]
+                  - np.gradient(x, axis=0)[own] * np.gradient(y, axis=1)[own]) <= 0
+        x, y = x[own], y[own]
         inside[rows] = geometry.window_inside(x, y)
         unfolded[rows] = inside[rows] & ~folded
         if covered is not None:

@@ -22,6 +22,7 @@ _STEP = 144            # parts of the longer side: distance of the compared pixe
 _BORDER = 4000         # compared pixels along the border of the region, where errors are largest
 _SOME = 600            # points for choosing the scales of the regression
 _NEAR = 32             # nearest points in each regression
+_BATCH = 64            # regressions at a time: their matrices stay in the cache
 _LENGTHS = 2.0 ** np.arange(-1, 6)      # scales of the residual, in typical distances of points
 _NOISES = 4.0 ** np.arange(-7, 4)       # variance of the points over that of the residual
 _SIGMAS = 3.0          # standard deviations of the estimate that the largest error includes
@@ -137,10 +138,10 @@ def _regression(known, rest, at):
     count = min(_NEAR, len(known))
     distance, near = (part.reshape(len(at), -1) for part in cKDTree(known).query(at, count))
     mean, sigma = np.empty_like(at), np.empty(len(at))
-    for start in range(0, len(at), 1024):
-        block = slice(start, start + 1024)
-        points = known[near[block]]
-        among = np.linalg.norm(points[:, :, None] - points[:, None], axis=3)
+    for start in range(0, len(at), _BATCH):
+        block = slice(start, start + _BATCH)
+        x, y = known[near[block]].transpose(2, 0, 1)
+        among = np.sqrt((x[:, :, None] - x[:, None])**2 + (y[:, :, None] - y[:, None])**2)
         matrix = _covariance(among, length) + noise * np.eye(count)
         to = _covariance(distance[block], length)
         weight = np.linalg.solve(matrix, to[:, :, None])[:, :, 0]
