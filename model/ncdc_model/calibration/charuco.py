@@ -26,6 +26,8 @@ _PLAIN = 0.25          # of a chessboard's squares are bright, at least; half of
 _AGREEING = 4          # corners whose marker numbers agree with the lattice, at least
 _SAME = 0.15           # of a step: largest distance of OpenCV's corner from the lattice's
 _SIDES = range(3, 25)  # squares that a board of unknown size may have in a row
+_COPY = 1600           # pixels of the longer side of a reduced copy, in which markers are looked for
+_LARGE = 20            # pixels: of markers that large none is missed there
 
 
 def find_charuco(image, columns, rows, boards=None):
@@ -49,16 +51,16 @@ def find_charuco(image, columns, rows, boards=None):
         If fewer than 12 corners are found, or markers of a larger board.
     """
     grey = grey_picture(image)
-    family, corners, ids = _markers(grey)
+    copy, part, (family, corners, ids) = _markers(grey)
     foreign = ids[ids >= columns * rows // 2]
     if len(foreign) > 1:
         raise InputError(f"it shows markers up to number {int(ids.max())}, a ChArUco board of "
                          f"{columns}x{rows} squares has {columns * rows // 2} from 0")
-    found = _corners(grey, family, corners, ids, columns, rows) if family else (None, None)
+    found = _corners(copy, family, corners, ids, columns, rows) if family else (None, None)
     photo = None
     if found[0] is not None and len(found[0]):
         index = np.stack([found[1] % (columns - 1), found[1] // (columns - 1)], axis=1)
-        xy = refine(grey, index, found[0], _SCALE)
+        xy = refine(grey, index, (found[0] + 0.5) * part - 0.5, _SCALE * part)
         photo = _numbered(image, index, xy, (columns - 1, rows - 1),
                           find_boards(image) if boards is None else boards)
     count = 0 if photo is None else len(photo.index)
@@ -166,8 +168,7 @@ def find_any_charuco(image):
     InputError
         If the picture shows no board.
     """
-    grey = grey_picture(image)
-    family, corners, ids = _markers(grey)
+    grey, _, (family, corners, ids) = _markers(grey_picture(image))
     best = None
     for columns in _SIDES if family else ():
         rows = -(-2 * (int(ids.max()) + 1) // columns)
@@ -186,9 +187,26 @@ def _dictionary(family):
 
 
 def _markers(grey):
+    """The picture in which markers are found best, how many pixels of ``grey`` one of its pixels
+    is wide, and the family, corners and numbers of the markers.
+
+    That is a reduced copy, unless the markers there are so small that others may be missed.
+    """
+    part = -(-max(grey.shape) // _COPY)
+    if part > 1:
+        copy = cv2.resize(grey[:grey.shape[0] // part * part, :grey.shape[1] // part * part], None,
+                          fx=1 / part, fy=1 / part, interpolation=cv2.INTER_AREA)
+        family, corners, ids = found = _seen(copy, _FAMILIES)
+        if family and min(cv2.arcLength(corner, True) / 4 for corner in corners) >= _LARGE:
+            return copy, part, found
+        return grey, 1, _seen(grey, (family,) if family else _FAMILIES)
+    return grey, 1, _seen(grey, _FAMILIES)
+
+
+def _seen(grey, families):
     """Family, corners and numbers of the markers of the family of which most are seen."""
     best = None, (), np.empty(0, int)
-    for family in _FAMILIES:
+    for family in families:
         corners, ids, _ = cv2.aruco.ArucoDetector(_dictionary(family)).detectMarkers(grey)
         if ids is not None and len(ids) >= max(_MARKERS, len(best[2]) + 1):
             best = family, corners, ids.ravel()

@@ -23,8 +23,7 @@ def with_exposure(image, photo):
     u, v = _SAMPLES.T
     weights = np.stack([(1 - u) * (1 - v), u * (1 - v), (1 - u) * v, u * v])
     x, y = np.rint(np.einsum("ck,ncd->nkd", weights, cells)).astype(int).reshape(-1, 2).T
-    darkest = image if image.ndim == 2 else image.min(axis=2)
-    clipped = float((darkest[y, x] >= _WHITE).mean())
+    clipped = float((image[y, x].reshape(len(x), -1).min(axis=1) >= _WHITE).mean())
     if clipped <= _CLIPPED:
         return photo
     return replace(photo, warnings=(*photo.warnings, (

@@ -5,6 +5,7 @@ import numpy as np
 
 __all__ = ["draw_points"]
 
+_WIDTH = 1280          # pixels: of a photo of twice that or more a reduced copy is drawn on
 _SHIFT = 4             # fraction bits of OpenCV's drawing coordinates
 _ARROW = 0.4           # of the middle step between points: length of an arrow of the usual size
 _MAGNIFY = 1, 2, 5, 10, 20, 50, 100, 200, 500
@@ -18,15 +19,21 @@ def draw_points(image, photo, frame=None, number=0):
     cuts it, point (0, 0) also a ring. Every fifth point of every fifth row has its number. With
     ``frame`` (the :class:`IdealFrame` of the photos, of which this is ``number``) an arrow leads
     from each point to the smooth lens's position, magnified as the text at the bottom says, and
-    dropped points are crossed out.
+    dropped points are crossed out. The picture of a photo of 2560 or more pixels a row is a half or
+    another whole part of it wide.
     """
+    part = max(1, image.shape[1] // _WIDTH)
+    if part > 1:
+        image = cv2.resize(image, (image.shape[1] // part, image.shape[0] // part),
+                           interpolation=cv2.INTER_AREA)
     # A paler photo makes the drawing stand out.
     picture = cv2.LUT(image, (96 + 0.6 * np.arange(256)).astype(np.uint8))
     if picture.ndim == 2:
         picture = cv2.cvtColor(picture, cv2.COLOR_GRAY2RGB)
-    scale = max(1.0, picture.shape[1] / 1280)
+    scale = max(1.0, picture.shape[1] / _WIDTH)
     thick = max(1, round(scale))
-    position = {tuple(key): point for key, point in zip(photo.index.tolist(), photo.xy)}
+    position = {tuple(key): point for key, point in
+                zip(photo.index.tolist(), (photo.xy + 0.5) / part - 0.5)}
     cut = {tuple(key) for key in photo.index[photo.cut].tolist()}
 
     def fixed(point):
@@ -53,19 +60,23 @@ def draw_points(image, photo, frame=None, number=0):
     if frame is not None and number in frame.numbers:
         on = frame.photo == frame.numbers.index(number)
         step = float(np.median(lengths)) if lengths else 20.0
-        _residuals(picture, photo, frame, on, position, step, scale, fixed)
+        _residuals(picture, photo, frame, on, position, step, part, fixed)
     return picture
 
 
-def _residuals(picture, photo, frame, on, position, step, scale, fixed):
-    """Arrows from the used points to the smooth lens's positions; crosses over dropped ones."""
+def _residuals(picture, photo, frame, on, position, step, part, fixed):
+    """Arrows from the used points to the smooth lens's positions; crosses over dropped ones.
+
+    ``position`` and ``step`` are in pixels of the picture, ``part`` of the photo's each.
+    """
     residual = np.stack(frame.camera.back_map(*frame.corrected[on].T), axis=1) - frame.distorted[on]
     usual = float(np.sqrt(np.mean(residual**2) * 2)) if on.any() else 0.0
-    wanted = _ARROW * step / max(usual, 1e-6)
+    wanted = _ARROW * step * part / max(usual, 1e-6)
+    scale = max(1.0, picture.shape[1] / _WIDTH)
     magnify = max((value for value in _MAGNIFY if value <= wanted), default=_MAGNIFY[0])
     thick = max(1, round(scale))
     used = {tuple(key) for key in frame.index[on].tolist()}
-    for key, offset in zip(frame.index[on].tolist(), residual):
+    for key, offset in zip(frame.index[on].tolist(), residual / part):
         start = position[tuple(key)]
         cv2.arrowedLine(picture, fixed(start), fixed(start + magnify * offset), (0, 0, 0), thick,
                         cv2.LINE_AA, _SHIFT, 0.25)

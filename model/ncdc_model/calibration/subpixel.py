@@ -13,7 +13,8 @@ _APART = 0.5           # pixels between the positions at both: less means four e
 _SHARP = 3.0           # pixels of blur: less is sharp
 _HALF = 5              # pixels to either side: largest window on a sharp corner's edges
 _STOP = (cv2.TERM_CRITERIA_EPS | cv2.TERM_CRITERIA_COUNT, 50, 1e-3)
-_STEPS = 8             # Newton iterations, at most
+_STEPS = 8             # Newton iterations, at most, each of no more than a scale
+_KERNEL = 4            # scales: reach of OpenCV's Gaussian
 _RINGS = 0.35, 0.13    # of the distance to the nearest corner: radius at which edges are sampled;
                        # the second where markers lie in the squares
 _SAMPLES = 96          # on the ring
@@ -44,9 +45,10 @@ def refine(grey, index, xy, scale):
         return xy
     near = gaps(index, xy)
     sigma = np.clip(_PART * near, *_SCALE)
-    light = grey.astype(np.float32)
-    moved, found = _saddles(light, xy, sigma)
+    corner, light = _around(grey, xy, _TWICE * sigma.max())
+    moved, found = _saddles(light, xy - corner, sigma)
     again, still = _saddles(light, moved, _TWICE * sigma)
+    moved, again = moved + corner, again + corner
     # The four squares differ in a shadow or glare: use their edges, if they are sharp.
     uneven = found & ~(still & (np.linalg.norm(again - moved, axis=1) < _APART))
     if uneven.any():
@@ -54,6 +56,17 @@ def refine(grey, index, xy, scale):
         moved[uneven] = _by_edges(grey, xy[uneven], near[uneven])
     good = found & (np.linalg.norm(moved - xy, axis=1) <= 1 + scale)
     return np.where(good[:, None], moved, xy)
+
+
+def _around(grey, xy, scale):
+    """First column and row of the part of ``grey`` that the search from ``xy`` (n, 2) at up to
+    ``scale`` pixels can reach, and that part as float32."""
+    reach = (2 * _STEPS + 1 + _KERNEL) * scale + 2
+    first = np.maximum(np.floor(xy.min(axis=0) - reach), 0).astype(int)
+    left, top = np.minimum(first, np.array(grey.shape[::-1]) - 1)
+    right, bottom = np.ceil(xy.max(axis=0) + reach).astype(int) + 1
+    return np.array([left, top]), grey[top:max(bottom, top + 1),
+                                       left:max(right, left + 1)].astype(np.float32)
 
 
 def _by_edges(grey, xy, near):
