@@ -28,6 +28,10 @@ _SAME = 0.15           # of a step: largest distance of OpenCV's corner from the
 _SIDES = range(3, 25)  # squares that a board of unknown size may have in a row
 _COPY = 1600           # pixels of the longer side of a reduced copy, in which markers are looked for
 _LARGE = 20            # pixels: of markers that large none is missed there
+# Codes of a family that are compared with each quadrangle. A board has numbers from 0 on, so that
+# more are compared only if the numbers found come near their end.
+_CODES = 50, 250, 1024
+_NEAR_END = 0.8
 
 
 def find_charuco(image, columns, rows, boards=None):
@@ -182,8 +186,10 @@ def find_any_charuco(image):
     return best[1:]
 
 
-def _dictionary(family):
-    return cv2.aruco.getPredefinedDictionary(getattr(cv2.aruco, family))
+def _dictionary(family, count=_CODES[-1]):
+    """The first ``count`` codes of a family."""
+    whole = cv2.aruco.getPredefinedDictionary(getattr(cv2.aruco, family))
+    return cv2.aruco.Dictionary(whole.bytesList[:count], whole.markerSize, whole.maxCorrectionBits)
 
 
 def _markers(grey):
@@ -196,18 +202,27 @@ def _markers(grey):
     if part > 1:
         copy = cv2.resize(grey[:grey.shape[0] // part * part, :grey.shape[1] // part * part], None,
                           fx=1 / part, fy=1 / part, interpolation=cv2.INTER_AREA)
-        family, corners, ids = found = _seen(copy, _FAMILIES)
+        family, corners, _ = found = _seen(copy)
         if family and min(cv2.arcLength(corner, True) / 4 for corner in corners) >= _LARGE:
             return copy, part, found
-        return grey, 1, _seen(grey, (family,) if family else _FAMILIES)
-    return grey, 1, _seen(grey, _FAMILIES)
+    return grey, 1, _seen(grey)
 
 
-def _seen(grey, families):
+def _seen(grey):
     """Family, corners and numbers of the markers of the family of which most are seen."""
+    found, fewer = _most(grey, _FAMILIES, _CODES[0]), _CODES[0]
+    for count in _CODES[1:]:
+        if found[0] and found[2].max() < _NEAR_END * fewer:
+            break
+        found, fewer = _most(grey, (found[0],) if found[0] else _FAMILIES, count), count
+    return found
+
+
+def _most(grey, families, count):
+    """:func:`_seen` of some ``families``, by the first ``count`` codes of each."""
     best = None, (), np.empty(0, int)
     for family in families:
-        corners, ids, _ = cv2.aruco.ArucoDetector(_dictionary(family)).detectMarkers(grey)
+        corners, ids, _ = cv2.aruco.ArucoDetector(_dictionary(family, count)).detectMarkers(grey)
         if ids is not None and len(ids) >= max(_MARKERS, len(best[2]) + 1):
             best = family, corners, ids.ravel()
     return best
