@@ -2,7 +2,7 @@
 
 import sys
 from dataclasses import replace
-from functools import partial
+from functools import cache, partial
 from pathlib import Path
 
 import numpy as np
@@ -54,8 +54,10 @@ def add_arguments(parser) -> None:
 def run(args) -> None:
     """Detect, write the points file and the overlays, report."""
     args.photos = photos_of(args.photos)
-    progress, warn = Progress("calibrate"), _once()
-    points = replace(detect_points(_photos(args, progress, warn), args.target),
+    progress, picture = Progress("calibrate"), partial(_picture, args, _once())
+    if len(args.photos) == 1:
+        picture = cache(picture)        # several would not fit in the memory
+    points = replace(detect_points(_photos(args, progress, picture), args.target),
                      page=args.page or "")
     output = Path(args.output)
     used = [name for name in dict.fromkeys(args.photos) if name not in points.rejected_photos]
@@ -65,8 +67,7 @@ def run(args) -> None:
     points.save(output)
     for number, (name, overlay, photo) in enumerate(zip(used, overlays, points.photos)):
         progress(_DRAWN + (1 - _DRAWN) * number / len(used), f" {overlay}")
-        image = read_photo(name, args.raw, args.bits, warn).image
-        write_image(overlay, draw_points(image, photo, frame, number))
+        write_image(overlay, draw_points(picture(name), photo, frame, number))
     progress(1)
     report = {**_report(points, frame), **measured, "warnings": warnings, "points": str(output),
               "overlays": overlays}
@@ -161,14 +162,14 @@ def _print(report, photos, measured):
     print(f"{report['points']}; look at {first}" + (" and the others" if others else ""))
 
 
-def _photos(args, progress, warn):
+def _photos(args, progress, picture):
     """The photos, as functions that read them, one after the other, with progress."""
     for done, name in enumerate(args.photos):
         progress(_LENS * done / len(args.photos), f" {Path(name).name}")
-        yield name, partial(_picture, name, args, warn)
+        yield name, partial(picture, name)
 
 
-def _picture(name, args, warn):
+def _picture(args, warn, name):
     return read_photo(name, args.raw, args.bits, warn).image
 
 

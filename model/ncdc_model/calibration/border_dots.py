@@ -122,14 +122,15 @@ def _register(flat, model, start, shape, radius):
         x, y = x[near], y[near]
         at = back @ np.stack([x - centre[0], y - centre[1]]) + model[:, None]
         h = 0.5
-        values, east, west, south, north = (
-            sample(flat, at.T + move, cv2.INTER_CUBIC).astype(np.float64)
-            for move in ((0, 0), (h, 0), (-h, 0), (0, h), (0, -h)))
+        moves = np.array([(0, 0), (h, 0), (-h, 0), (0, h), (0, -h)])
+        values, east, west, south, north = sample(
+            flat, at.T + moves[:, None], cv2.INTER_CUBIC).astype(np.float64)
         seen = flat[y, x].astype(np.float64)
         if np.ptp(seen) == 0 or np.ptp(values) == 0:
             return None
         one = np.ones_like(values)
-        gain = np.polyfit(values, seen, 1)[0]
+        even = values - values.mean()
+        gain = (even @ seen) / (even @ even)
         slope = -gain * np.stack([east - west, south - north], axis=1) / (2 * h) @ back
         system = np.column_stack([values, one, slope])
         try:

@@ -66,7 +66,7 @@ def _convolved(first, second):
 
 def _on_picture(xy, height, other_xy, other_height):
     """Correlation of two photos' heights at equal positions in the picture."""
-    from scipy.interpolate import griddata      # a third of a second that few photos need
+    from scipy.interpolate import griddata  # a third of a second that few photos need
     there = griddata(other_xy, other_height, xy)
     both = np.isfinite(there)
     if both.sum() < _COMMON:

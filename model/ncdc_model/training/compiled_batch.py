@@ -6,7 +6,7 @@ import numpy as np
 
 from ncdc_model.compiled.library import library, pointer, structure
 from ncdc_model.correction import COMPILED, default_model
-from ncdc_model.exact import TANH_STEPS, slices, tanh_table
+from ncdc_model.exact import TANH_STEPS, tanh_table
 from ncdc_model.training.varpro import Batch
 
 __all__ = ["CompiledBatch", "batch_kind"]
