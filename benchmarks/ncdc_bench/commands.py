@@ -1,6 +1,7 @@
 """The benches of ``ncdc bench``, by name."""
 
 from ncdc_bench.accuracy import command as accuracy
+from ncdc_bench.calibration import command as calibration
 from ncdc_bench.client import command as client
 from ncdc_bench.grid import command as grid
 from ncdc_bench.lines import command as lines
@@ -18,7 +19,7 @@ from ncdc_bench.window import command as window
 
 __all__ = ["BENCHES"]
 
-BENCHES = {"accuracy": accuracy, "client": client, "grid": grid, "lines": lines, "model": model,
-           "network": network, "nodes": nodes, "photos": photos, "pictures": pictures,
-           "synth": synth, "system": system, "tansig": tansig, "throughput": throughput,
-           "truth": truth, "window": window}
+BENCHES = {"accuracy": accuracy, "calibration": calibration, "client": client, "grid": grid,
+           "lines": lines, "model": model, "network": network, "nodes": nodes, "photos": photos,
+           "pictures": pictures, "synth": synth, "system": system, "tansig": tansig,
+           "throughput": throughput, "truth": truth, "window": window}

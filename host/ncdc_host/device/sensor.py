@@ -1,6 +1,7 @@
 """The emulated image sensor and its capture: raw frames by their registers."""
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import cv2
 import numpy as np
@@ -14,6 +15,7 @@ from ncdc_spec.sensors.level import SAMPLE_BITS, levelled
 __all__ = ["Exposure", "expose", "test_pattern"]
 
 _SHOT = 0.35 / 16       # variance of the photon noise per grey level at gain 1
+_SHIFTS = 64                    # columns and rows by which a frame's noise may be shifted
 _BAR_COLOURS = ((255, 255, 255), (255, 255, 0), (0, 255, 255), (0, 255, 0), (255, 0, 255),
                 (255, 0, 0), (0, 0, 255), (0, 0, 0))
 _MODES = {choice.name: choice.word for choice in TEST_PATTERNS}
@@ -66,12 +68,25 @@ def _sent(light, exposure, bayer, seed):
         return light
     raw = _each(light, lambda levels: levels * scale)
     if exposure.noise:
-        random = np.random.default_rng(seed).standard_normal(light.shape, np.float32)
-        random *= _each(light, lambda levels: np.sqrt(
+        random = _noise(light.shape, seed) * _each(light, lambda levels: np.sqrt(
             levels * (scale * np.float32(_SHOT * exposure.gain))
             + np.float32((exposure.noise * exposure.gain)**2)))
         raw += random
     return raw
+
+
+def _noise(shape, seed):
+    """Normal noise of variance 1: a part of one field, whose place depends on the seed.
+
+    A field of its own for each frame would take half of the time of a picture.
+    """
+    row, column = np.random.default_rng(seed).integers(_SHIFTS, size=2)
+    return _field(shape)[row:row + shape[0], column:column + shape[1]]
+
+
+@lru_cache(maxsize=2)
+def _field(shape):
+    return np.random.default_rng(0).standard_normal(np.add(shape, _SHIFTS), np.float32)
 
 
 def _each(light, function):

@@ -26,7 +26,7 @@ _PLAIN = 0.25          # of a chessboard's squares are bright, at least; half of
 _AGREEING = 4          # corners whose marker numbers agree with the lattice, at least
 _SAME = 0.15           # of a step: largest distance of OpenCV's corner from the lattice's
 _SIDES = range(3, 25)  # squares that a board of unknown size may have in a row
-_COPY = 1600           # pixels of the longer side of a reduced copy, in which markers are looked for
+_COPY = 1600           # pixels of the longer side: of a larger photo a copy is searched
 _LARGE = 20            # pixels: of markers that large none is missed there
 # Codes of a family that are compared with each quadrangle. A board has numbers from 0 on, so that
 # more are compared only if the numbers found come near their end.

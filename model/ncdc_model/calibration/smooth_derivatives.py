@@ -39,8 +39,9 @@ def derivatives(vector, cells, owner):
     rows[3 + TERMS:9 + TERMS] = (to_pixels @ by_decentring).transpose(2, 0, 1)
     rows[9 + TERMS:11 + TERMS] = by_tilt * pixels
     rows[LENS - 2, :, 1] = focal * at[:, 1] / np.cosh(aspect / MAX_RATIO[0])**2
-    per_ratio = 1 / (1 + MAX_RATIO[1] * np.tanh(ratio / MAX_RATIO[1]))
-    along = planes[owner, :, 1] * (cells[:, 1] * per_ratio / np.cosh(ratio / MAX_RATIO[1])**2)[:, None]
+    change = 1 / ((1 + MAX_RATIO[1] * np.tanh(ratio / MAX_RATIO[1]))
+                  * np.cosh(ratio / MAX_RATIO[1])**2)           # of a row's distance, in its parts
+    along = planes[owner, :, 1] * (cells[:, 1:] * change)
     rows[LENS - 1] = (from_ray @ along[:, :, None])[:, :, 0]
     # A pose turns the target about its origin: the turned vector's derivative is a cross product.
     turned = seen - planes[owner, :, 2]
@@ -64,7 +65,7 @@ def _radial(k, rays):
     outwards = np.column_stack([unit * (slope * z / square)[:, None], -slope * across / square])
     by_ray = unit[:, :, None] * outwards[:, None]
     sideways = np.stack([-unit[:, 1], unit[:, 0]], axis=1)
-    by_ray[:, :, :2] += (sideways[:, :, None] * sideways[:, None]) * (radius / across)[:, None, None]
+    by_ray[:, :, :2] += (sideways * (radius / across)[:, None])[:, :, None] * sideways[:, None]
     return unit * radius[:, None], by_ray, unit[:, :, None] * powers[:, None, 1:]
 
 

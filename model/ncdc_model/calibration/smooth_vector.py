@@ -4,6 +4,7 @@ In this order: focal length, centre, k, p and its higher terms, s0 and s2, tilt 
 aspect of its pixels, ratio of the target's distances, then six numbers a photo.
 """
 
+from functools import lru_cache
 from types import SimpleNamespace
 
 import numpy as np
@@ -22,6 +23,7 @@ FLAWS = np.isin(np.arange(LENS), [5 + TERMS, 6 + TERMS, *range(9 + TERMS, 12 + T
 MAX_RATIO = 0.15, 0.10   # differences of the pixels' aspect and the target's ratio from 1
 
 
+@lru_cache(maxsize=64)
 def tilt_matrix(about_x, about_y):
     """Homography (3, 3) onto a sensor that is tilted by two angles in radians."""
     return TiltedSensor((about_x, about_y)).matrix
