@@ -285,7 +285,7 @@ def test_the_next_frame_is_made_while_one_is_on_the_line(monkeypatch):
                 time.sleep(.001)
             sent.append((frame.number, frame.number in asked))
         monkeypatch.setattr(one.camera, "following", noted)
-        monkeypatch.setattr(one.stream, "_send_frame", send)
+        monkeypatch.setattr(one.stream, "send_frame", send)
         one.stream.start(Receiver(("127.0.0.1", 9), 1500, 0, False))
         while len(sent) < 3:
             time.sleep(.001)

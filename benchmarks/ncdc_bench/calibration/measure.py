@@ -72,8 +72,9 @@ def _seconds(root, *command):
     """Processor time of a command of the checkout ``root``, on one thread."""
     environment = os.environ | {"OPENBLAS_NUM_THREADS": "1", "PYTHONPATH": os.pathsep.join(
         str(root / part) for part in _FOLDERS)}
-    process = subprocess.Popen([sys.executable, "-c", _RUN, *map(str, command)], env=environment,
-                               stdout=subprocess.DEVNULL, stderr=subprocess.PIPE)
+    process = subprocess.Popen([sys.executable, "-c", _RUN, *map(str, command)], cwd=root,
+                               env=environment, stdout=subprocess.DEVNULL,
+                               stderr=subprocess.PIPE)
     said = process.stderr.read().decode()
     _, status, usage = os.wait4(process.pid, 0)
     process.returncode = os.waitstatus_to_exitcode(status)

@@ -31,6 +31,7 @@ def run(args):
         print(table(rows))
         print(f"emulated device, {device['size']} {device['interpolation']}: "
               f"{device['milliseconds']:.1f} ms for a new picture, "
+              f"{device['sending_milliseconds']:.1f} ms to send it, "
               f"{device['frames_per_second']:.1f} frames per second on one core")
     name = "{size} {interpolation} {model}".format
     failures = [f"{name(**row)}: {row['bits_different']} bits differ" for row in rows

@@ -1,5 +1,7 @@
 """Processor time of the models for a frame, next to OpenCV's flow of the same quality."""
 
+import socket
+import threading
 import time
 from contextlib import contextmanager
 from dataclasses import replace
@@ -8,10 +10,11 @@ import cv2
 import numpy as np
 
 from ncdc_bench.throughput.lenses import Lens, trained
-from ncdc_host.device.camera import picture_of
+from ncdc_host.device.camera import Frame, picture_of
 from ncdc_host.device.light import MovingScene
 from ncdc_host.device.registers import Settings, View
 from ncdc_host.device.sensor import Exposure, expose
+from ncdc_host.device.stream import Receiver, Stream
 from ncdc_model.correction import COMPILED, MODELS, Correction
 from ncdc_model.example import BAYER, example_camera, scene_light
 from ncdc_model.images import demosaic, mosaic
@@ -27,6 +30,7 @@ SIZES = (640, 480), (1280, 1024), (1920, 1080)
 _TRAINED = Lens(105, SIZES[0])
 _FRAMES = 9             # the fastest of them counts: others share the machine
 _DEVICE = SIZES[1]      # of the emulated device
+_PACKET = 1500          # bytes with headers, as every network carries
 
 
 def lens_of(size, interpolation):
@@ -75,13 +79,14 @@ def model_rows(sizes=SIZES, progress=lambda name: None):
 
 
 def device_row(interpolation=DEFAULT):
-    """Processor time of the emulated device for a corrected picture that it has not made before:
-    light, noise, correction and packing, but not the packets.
+    """Processor time of the emulated device for a corrected picture that it has not made before.
 
     Returns
     -------
     dict
-        ``size``, ``interpolation``, ``milliseconds``, ``frames_per_second`` of one core.
+        ``size``, ``interpolation``; ``milliseconds`` of light, noise, correction and packing;
+        ``sending_milliseconds`` of its packets, of ``packet_bytes`` each, over the loopback
+        interface; ``frames_per_second`` of one core with both.
     """
     descriptor = lens_of(_DEVICE, interpolation)
     scene, correction = MovingScene(descriptor), Correction(descriptor)
@@ -90,11 +95,26 @@ def device_row(interpolation=DEFAULT):
 
     def frame():
         raw = expose(light, Exposure(1, 1, 0, 1.0), descriptor.geometry.bayer, next(seeds))
-        picture_of(raw, settings, correction)
-    frame()
-    milliseconds = _milliseconds(frame, _FRAMES)
+        return picture_of(raw, settings, correction)
+    data = frame().data
+    milliseconds, sending = _milliseconds(frame, _FRAMES), _sending_milliseconds(data)
     return {"size": "x".join(map(str, _DEVICE)), "interpolation": interpolation.name,
-            "milliseconds": milliseconds, "frames_per_second": 1000 / milliseconds}
+            "milliseconds": milliseconds, "sending_milliseconds": sending,
+            "packet_bytes": _PACKET, "frames_per_second": 1000 / (milliseconds + sending)}
+
+
+def _sending_milliseconds(data):
+    """Processor time of the stream channel for a picture of the bytes ``data``, (h, w, 3)."""
+    height, width = data.shape[:2]
+    frame = Frame(1, 0, BGR8, (width, height), (0, 0), memoryview(data).cast("B"), None, 0, None)
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as receiver:
+        receiver.bind(("127.0.0.1", 0))
+        stream = Stream(None, "127.0.0.1")
+        to = Receiver(receiver.getsockname(), _PACKET, 0, False)
+        try:
+            return _milliseconds(lambda: stream.send_frame(frame, to, threading.Event()), _FRAMES)
+        finally:
+            stream.close()
 
 
 def _opencv_milliseconds(raw, descriptor):

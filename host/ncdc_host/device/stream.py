@@ -3,6 +3,7 @@
 import errno
 import random
 import socket
+import struct
 import threading
 import time
 from concurrent.futures import ThreadPoolExecutor
@@ -18,6 +19,8 @@ _LINE_NS_PER_BYTE = 8           # of Gigabit Ethernet, whose pace the packets ke
 _LINE_OVERHEAD = 38             # bytes of a packet on the line without IP: header, FCS, gap
 _TRIGGER_SECONDS = 0.05         # from look to look whether a stream that waits has ended
 _BATCH = 16                     # packets between two looks at the clock
+_UDP_SEGMENT = 103              # Linux: control message with the size that a buffer is cut into
+_DATAGRAM = 65507               # bytes of such a buffer, at most
 
 
 @dataclass(frozen=True)
@@ -79,6 +82,7 @@ class Stream:
         self._socket.bind((address, 0))
         self.port = self._socket.getsockname()[1]
         self.sent = self.lost = self.resent = 0
+        self._segments = True           # until the system has rejected it
         self._blocks = {}               # number: (frame, payload bytes, packets)
         self._block = 0
         self._receiver = None
@@ -159,14 +163,15 @@ class Stream:
                 if triggers is None and not single:
                     # The next frame is made while this one is on the line.
                     following = maker.submit(self._camera.following, number, stop)
-                self._send_frame(frame, receiver, stop)
+                self.send_frame(frame, receiver, stop)
                 if triggers is not None:
                     triggers.clear()
                 if single:
                     done()
                     break
 
-    def _send_frame(self, frame, receiver, stop):
+    def send_frame(self, frame, receiver, stop):
+        """Send a frame to a receiver at the pace of the line, until the Event ``stop`` is set."""
         self._block = self._block % 0xFFFF + 1
         payload, packets = gvsp.payload_packets(len(frame.data), receiver.packet_size)
         with self._lock:
@@ -175,16 +180,40 @@ class Stream:
                 del self._blocks[next(iter(self._blocks))]
         pace = max(receiver.delay_ns,
                    (receiver.packet_size + _LINE_OVERHEAD) * _LINE_NS_PER_BYTE)
-        begin = time.monotonic_ns()
-        for packet in range(packets + 2):
-            if packet % _BATCH == 0:
-                early = begin + packet * pace - time.monotonic_ns()
-                if early > 0:
-                    time.sleep(early / 1e9)
-                if stop.is_set():
-                    return
-            self._send(self._packet(self._block, frame, payload, packets, packet), receiver,
-                       self._loss)
+        # Packets get lost one by one, and only equal ones can be sent together.
+        full = None if self._loss else gvsp.full_packets(self._block, frame.data, payload)
+        batch = min(_BATCH, _DATAGRAM // receiver.packet_size)
+        begin, packet = time.monotonic_ns(), 0
+        while packet < packets + 2:
+            early = begin + packet * pace - time.monotonic_ns()
+            if early > 0:
+                time.sleep(early / 1e9)
+            if stop.is_set():
+                return
+            count = 0 if full is None or not packet else len(full[packet - 1:packet - 1 + batch])
+            if count > 1:
+                self._send_together(full[packet - 1:packet - 1 + count], receiver)
+            else:
+                count = min(batch if full is None else 1, packets + 2 - packet)
+                for number in range(packet, packet + count):
+                    self._send(self._packet(self._block, frame, payload, packets, number),
+                               receiver, self._loss)
+            packet += count
+
+    def _send_together(self, packets, receiver):
+        """Send equal ``packets`` (n, bytes), by one call where the system can cut a buffer."""
+        self.sent += len(packets)
+        if self._segments:
+            size = struct.pack("=H", packets.shape[1])
+            try:
+                self._socket.sendmsg([packets], [(socket.IPPROTO_UDP, _UDP_SEGMENT, size)], 0,
+                                     receiver.address)
+                return
+            except OSError as error:
+                # Without a receiver the call fails now and then; an older system always rejects it.
+                self._segments = error.errno == errno.ECONNREFUSED
+        for packet in packets:
+            self._put([packet], receiver.address)
 
     def _packet(self, block, frame, payload, packets, packet):
         """The parts of packet number ``packet`` of a block."""

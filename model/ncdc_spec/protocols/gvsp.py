@@ -2,10 +2,12 @@
 
 import struct
 
+import numpy as np
+
 __all__ = ["HEADERS_BYTES", "HEADER_FIELDS", "IMAGE", "LEADER", "LEADER_FIELDS", "MAX_PACKET",
            "MIN_PACKET",
-           "PAYLOAD", "PAYLOAD_STEP", "TRAILER", "TRAILER_FIELDS", "header", "leader",
-           "packet_size", "payload_packets", "trailer"]
+           "PAYLOAD", "PAYLOAD_STEP", "TRAILER", "TRAILER_FIELDS", "full_packets", "header",
+           "leader", "packet_size", "payload_packets", "trailer"]
 
 LEADER, TRAILER, PAYLOAD = 1, 2, 3      # the format byte
 IMAGE = 0x0001                          # payload type
@@ -56,3 +58,14 @@ def payload_packets(size, packet_size):
     """(payload bytes of a packet, number of packets) of a picture of ``size`` bytes."""
     payload = packet_size - HEADERS_BYTES
     return payload, -(-size // payload)
+
+
+def full_packets(block, data, payload):
+    """The packets of a picture that are full: uint8 (n, 8 + ``payload``), the first is number 1."""
+    count = len(data) // payload
+    packets = np.empty((count, _HEADER.size + payload), np.uint8)
+    packets[:, :_HEADER.size] = np.frombuffer(header(block, PAYLOAD, 0), np.uint8)
+    numbers = np.arange(1, count + 1, dtype=">u4").view(np.uint8).reshape(count, 4)
+    packets[:, _HEADER.size - 3:_HEADER.size] = numbers[:, 1:]
+    packets[:, _HEADER.size:] = np.frombuffer(data, np.uint8, count * payload).reshape(count, -1)
+    return packets
