@@ -182,6 +182,14 @@ def _condition(row):
     return "linear" if row["linear"] else f"noise_{row['noise']:g}" if row["noise"] else "plain"
 
 
+def _calibration(report):
+    """A row for each command on each set of photos: processor seconds, errors in px."""
+    return {"rows": {_slug(row["photos"], row["command"]): {
+        "rms": row.get("points_rms_px", row.get("true_rms_px")),
+        "reference_rms": row.get("reference_points_rms_px", row.get("reference_true_rms_px")),
+        **row} for row in report["rows"]}}
+
+
 def _model(report):
     rows = {_slug(row["size"], row["interpolation"], row["model"]): {
         **row, "seconds": row["milliseconds"] / 1000} for row in report["rows"]}
@@ -258,6 +266,8 @@ GROUPS = {
     "grid": Group("ncdc bench grid tests/data/dots/dot_pattern_06.jpg", ("blur_px",), _grid),
     "pictures": Group("ncdc bench pictures rover.png street.jpg chessboard.jpg --set kodak "
                       "--set mcmaster", ("psnr_lanczos_db",), _pictures),
+    "calibration": Group("ncdc bench calibration --reference ../older",
+                         ("reference_seconds", "ratio"), _calibration),
     "model": Group("ncdc bench model", ("device", "map_milliseconds"), _model,
                    lambda report: len({row["size"] for row in report["rows"]}) > 1),
     "system": Group("ncdc bench system --quick", ("follow_bound_clocks", "frames_torn"), _system),
