@@ -22,7 +22,7 @@ def test_both_versions_are_measured_on_the_same_photos(small, tmp_path, capsys):
     folder = tmp_path / "photos"
     folder.mkdir()
     report = tmp_path / "report.json"
-    assert main(["bench", "calibration", "--reference", str(measure.ROOT), "--folder", str(folder),
+    assert main(["bench", "calibration", "--older", str(measure.ROOT), "--folder", str(folder),
                  "--json", str(report)]) == 0
     calibrate, train = json.loads(report.read_text())["rows"]
     assert (calibrate["command"], train["command"]) == ("calibrate", "train")
@@ -35,7 +35,7 @@ def test_both_versions_are_measured_on_the_same_photos(small, tmp_path, capsys):
 
 @pytest.mark.parametrize("options,message", [
     (["--only", "fog"], "no set of photos has 'fog' in its name"),
-    (["--reference", "nowhere"], "the reference nowhere holds no checkout of NCDC"),
+    (["--older", "nowhere"], "nowhere holds no checkout of NCDC"),
     (["--folder", "nowhere"], "the folder nowhere does not exist")])
 def test_bad_requests_are_named(options, message, capsys):
     assert main(["bench", "calibration", *options]) == 2

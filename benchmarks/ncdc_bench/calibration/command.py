@@ -15,14 +15,14 @@ __all__ = ["EXAMPLE", "HELP", "add_arguments", "run", "table"]
 
 HELP = ("processor time and true errors of calibrate and train on photos of 8 and 12 million "
         "pixels, compared with another version")
-EXAMPLE = "ncdc bench calibration --reference ../older --json calibration.json"
+EXAMPLE = "ncdc bench calibration --older ../version-0.1 --json calibration.json"
 
 
 def add_arguments(parser):
     """Declare the command's arguments on an argparse parser."""
     parser.add_argument("--only", default="", metavar="TEXT",
                         help="sets of photos whose name has this text: " + "; ".join(SETS))
-    parser.add_argument("--reference", metavar="FOLDER",
+    parser.add_argument("--older", metavar="FOLDER",
                         help="checkout of another version, to be measured in turn")
     parser.add_argument("--folder", metavar="FOLDER",
                         help="where the rendered photos stay for the next time")
@@ -34,14 +34,14 @@ def run(args):
     names = [name for name in SETS if args.only in name]
     if not names:
         raise InputError(f"no set of photos has {args.only!r} in its name: {'; '.join(SETS)}")
-    reference = Path(args.reference).resolve() if args.reference else None
+    reference = Path(args.older).resolve() if args.older else None
     if reference and not (reference / "ncdc" / "cli").is_dir():
-        raise InputError(f"the reference {args.reference} holds no checkout of NCDC")
+        raise InputError(f"{args.older} holds no checkout of NCDC")
     if args.folder and not Path(args.folder).is_dir():
         raise InputError(f"the folder {args.folder} does not exist")
     steps = Steps("calibration")
     with nullcontext(args.folder) if args.folder else tempfile.TemporaryDirectory() as folder:
-        found = list(rows(Path(folder), names, reference, steps))
+        found = list(rows(Path(folder).resolve(), names, reference, steps))
     steps("done")
     if not write_report({"rows": found}, args.json):
         print(table(found))

@@ -266,7 +266,7 @@ GROUPS = {
     "grid": Group("ncdc bench grid tests/data/dots/dot_pattern_06.jpg", ("blur_px",), _grid),
     "pictures": Group("ncdc bench pictures rover.png street.jpg chessboard.jpg --set kodak "
                       "--set mcmaster", ("psnr_lanczos_db",), _pictures),
-    "calibration": Group("ncdc bench calibration --reference ../older",
+    "calibration": Group("ncdc bench calibration --older ../version-0.1",
                          ("reference_seconds", "ratio"), _calibration),
     "model": Group("ncdc bench model", ("device", "map_milliseconds"), _model,
                    lambda report: len({row["size"] for row in report["rows"]}) > 1),
