@@ -17,10 +17,14 @@ from ncdc_model.golden.valid import valid_mask
 from ncdc_model.lens import Frame
 from ncdc_model.lens.inverse import planar_inverse
 from ncdc_model.training.source import load_points
+from ncdc_spec.descriptor import Descriptor
 from ncdc_spec.errors import InputError
+from ncdc_spec.files import read_bytes
 
-__all__ = ["compare_with_reference", "corrected_points", "fitted_view"]
+__all__ = ["compare_with_reference", "corrected_points", "difference_from", "fitted_plane",
+           "fitted_view"]
 
+_VIEW = 2500       # pixels to which a view is fitted
 _WIDE = 0.01       # zoom at which no point of a photo falls outside the frame
 
 
@@ -104,9 +108,61 @@ def _true_map(descriptor, path, name):
 
 def fitted_view(descriptor, camera):
     """The camera's map from the plane whose homography to (u, v) fits the network best."""
-    network = float_map(descriptor.network, descriptor.geometry)
-    u, v = _some_valid(descriptor, 2500)
-    x, y = network(u, v)
+    u, v = _some_valid(descriptor, _VIEW)
+    return fitted_plane(camera, u, v, *float_map(descriptor.network, descriptor.geometry)(u, v))
+
+
+def difference_from(camera, path):
+    """Difference of the map of ``camera`` from an earlier calibration of it, whatever the views.
+
+    Parameters
+    ----------
+    camera : Camera
+    path : path
+        Descriptor, points file or camera file of the earlier calibration.
+
+    Returns
+    -------
+    dict
+        ``mean``, ``rms`` and ``max`` of the distances in distorted pixels, over the corrected frame
+        of the earlier one; ``x`` and ``y``, the pixel with the largest distance.
+
+    Raises
+    ------
+    InputError
+        If the file is bad, or of a camera of another image size.
+    """
+    u, v, x, y = _map_in(path, camera.size)
+    a, b = fitted_plane(camera, u, v, x, y)(u, v)
+    far = np.hypot(a - x, b - y)
+    worst = int(np.nanargmax(far))
+    return {"mean": float(np.nanmean(far)), "rms": float(np.sqrt(np.nanmean(far**2))),
+            "max": float(far[worst]), "x": float(x[worst]), "y": float(y[worst])}
+
+
+def _map_in(path, size):
+    """Arrays u, v, x and y of the map in the file ``path``, where it has a source."""
+    if b"hidden_weights = [" in read_bytes(path):
+        descriptor = Descriptor.load(path)
+        _same_size(descriptor.geometry, size, "the camera")
+        u, v = _some_valid(descriptor, _VIEW)
+        return u, v, *float_map(descriptor.network, descriptor.geometry)(u, v)
+    points = load_points(path, size if is_points_csv(path) else None)
+    if points is not None and points.size != tuple(size):
+        raise InputError("{} holds points of photos of {}x{} pixels, the camera has {}x{}".format(
+            path, *points.size, *size))
+    camera = (load_camera_map(path, size, None, None, size) if points is None else
+              ideal_frame(points).camera)
+    width, height = camera.frame.size
+    u, v = (part.ravel() for part in np.meshgrid(np.arange(0, width, width / 60),
+                                                 np.arange(0, height, height / 45)))
+    x, y = camera.back_map(u, v)
+    inside = (x >= 0) & (x <= size[0] - 1) & (y >= 0) & (y <= size[1] - 1)
+    return u[inside], v[inside], x[inside], y[inside]
+
+
+def fitted_plane(camera, u, v, x, y):
+    """The camera's map from the plane whose homography to (u, v) fits the pixels (x, y) best."""
     a, b = camera.undistort(x, y)
     known = np.isfinite(a) & np.isfinite(b)
     if known.sum() < 8:

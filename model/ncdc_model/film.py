@@ -14,7 +14,7 @@ from ncdc_model.images import FILMS, is_film
 from ncdc_spec.errors import InputError
 from ncdc_spec.files import replace_file
 
-__all__ = ["change_film", "writing_film"]
+__all__ = ["change_film", "pictures_of", "writing_film"]
 
 # Nothing is lost that is seen, and a core encodes 1920x1080 in real time.
 _QUALITY = {"libx264": {"crf": "18", "preset": "veryfast"},
@@ -80,6 +80,34 @@ def change_film(source, target, size, change, warn, progress=lambda fraction: No
                         progress(min(count / total, 1))
     progress(1)
     return count
+
+
+def pictures_of(path, pause=0.0):
+    """Yield the pictures of the film ``path``, uint8 RGB (height, width, 3), with their times.
+
+    Parameters
+    ----------
+    path : path
+    pause : float
+        Pictures that follow another one sooner, in seconds, are left out.
+
+    Yields
+    ------
+    (ndarray, float)
+        Picture, and seconds since the film began.
+
+    Raises
+    ------
+    InputError
+        If the film cannot be read.
+    """
+    last = -np.inf
+    with _opened(path) as (film, pictures):
+        for frame in film.decode(pictures):
+            seconds = float(frame.time or 0.0)
+            if seconds - last >= pause - 1e-6:
+                last = seconds
+                yield frame.to_ndarray(format="rgb24"), seconds
 
 
 def _turned(path):

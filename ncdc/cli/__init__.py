@@ -71,13 +71,14 @@ def _to_folder(args):
 def _files(args):
     """Output and input files among a command's arguments, and outputs that may be streams."""
     given = vars(args)
-    streams = [given["json"]] if given.get("json") not in (None, "-") else []
+    streams = [given[name] for name in ("json", "states") if given.get(name) not in (None, "-")]
     outputs = []
     if not _to_folder(args) and given.get("output"):
         outputs.append(given["output"])
     outputs += [given[name] for name in ("vcd", "fst") if given.get(name)]
     inputs = []
-    for name in ("descriptor", "image", "source", "reference", "photos"):
+    for name in ("descriptor", "image", "source", "reference", "previous",
+                 "photos"):
         value = given.get(name, [])
         inputs += value if isinstance(value, list) else [value]
     return outputs, inputs, streams

@@ -15,6 +15,7 @@ from ncdc.cli.common import (
     straightness_text,
     write_report,
 )
+from ncdc.cli.live import add_live, compared, pictures_of_live
 from ncdc.cli.photo_names import photos_of
 from ncdc.terminal import Progress, say
 from ncdc_model.calibration.detect import detect_points
@@ -35,7 +36,7 @@ EXAMPLE = "ncdc calibrate left*.jpg --target chessboard:9x6 -o points.json"
 
 def add_arguments(parser) -> None:
     """Declare the command's arguments on an argparse parser."""
-    parser.add_argument("photos", nargs="+", metavar="PHOTO",
+    parser.add_argument("photos", nargs="*", metavar="PHOTO",
                         help="photo of the target: colour, grey, or the raw Bayer frame; a folder "
                              "of photos, or a pattern in quotes")
     parser.add_argument("--target", default="auto", metavar="KIND",
@@ -46,6 +47,7 @@ def add_arguments(parser) -> None:
     parser.add_argument("-o", "--output", default="points.json", metavar="FILE",
                         help="points file (default: points.json); each photo with its points "
                              "drawn over it goes next to it, as points.overlay.png")
+    add_live(parser)
     add_page(parser.add_argument_group("shape of the page"))
     add_samples(parser.add_argument_group("samples of the file"))
     add_json(parser)
@@ -53,6 +55,11 @@ def add_arguments(parser) -> None:
 
 def run(args) -> None:
     """Detect, write the points file and the overlays, report."""
+    live, missing = {}, []
+    if args.live is not None:
+        args.photos, live, missing = pictures_of_live(args)
+    elif not args.photos:
+        raise InputError("no photo is given: files, a folder, or --live camera:0 are needed")
     args.photos = photos_of(args.photos)
     progress, picture = Progress("calibrate"), partial(_picture, args, _once())
     if len(args.photos) == 1:
@@ -64,13 +71,15 @@ def run(args) -> None:
     overlays = _overlays(output, used, args)
     progress(_LENS, " smooth lens")
     measured, frame, warnings = judged(points)
+    warnings = missing + warnings
+    different, difference_text = compared(frame, args.previous)
     points.save(output)
     for number, (name, overlay, photo) in enumerate(zip(used, overlays, points.photos)):
         progress(_DRAWN + (1 - _DRAWN) * number / len(used), f" {overlay}")
         write_image(overlay, draw_points(picture(name), photo, frame, number))
     progress(1)
-    report = {**_report(points, frame), **measured, "warnings": warnings, "points": str(output),
-              "overlays": overlays}
+    report = {**_report(points, frame), **live, **measured, **different, "warnings": warnings,
+              "points": str(output), "overlays": overlays}
     for name, reason in points.rejected_photos.items():
         # Sentences on files that cannot be read begin with their names.
         print(f"not used: {reason}" if name in reason else f"{name}: not used: {reason}",
@@ -79,6 +88,8 @@ def run(args) -> None:
         print(f"warning: {warning}", file=sys.stderr)
     if not write_report(report, args.json):
         _print(report, len(args.photos), measured)
+        if difference_text:
+            print(difference_text)
 
 
 def _overlays(output, used, args):

@@ -6,11 +6,11 @@ from dataclasses import replace
 from PySide6.QtCore import QPoint, QTimer, Signal
 
 from ncdc_host.client.device import Rate
+from ncdc_host.client.view_state import CORRECTION
 from ncdc_host.gui.lens_loader import LensLoader
 from ncdc_host.gui.picture_files import PictureFiles
 from ncdc_host.gui.session import Session
 from ncdc_host.gui.tab_widgets import TabWidgets
-from ncdc_host.gui.view_state import CORRECTION
 
 __all__ = ["DeviceTab"]
 

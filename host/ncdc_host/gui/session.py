@@ -9,15 +9,15 @@ from functools import partial
 from PySide6.QtCore import QObject, Signal
 
 from ncdc_host.client import DeviceError, DeviceGone, Rejected, Statistics, open_device
-from ncdc_host.gui.receiver import Receiver
-from ncdc_host.gui.shown import Shown
-from ncdc_host.gui.view_state import (
+from ncdc_host.client.view_state import (
     CORRECTION,
     has_correction,
     read_view,
     show_whole,
     write_view,
 )
+from ncdc_host.gui.receiver import Receiver
+from ncdc_host.gui.shown import Shown
 from ncdc_model.images import write_image
 from ncdc_spec.descriptor import Descriptor
 from ncdc_spec.errors import InputError

@@ -14,8 +14,8 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
+from ncdc_host.client.view_state import CORRECTION, WINDOW
 from ncdc_host.gui.number_editor import NumberEditor
-from ncdc_host.gui.view_state import CORRECTION, WINDOW
 
 __all__ = ["SettingsPanel"]
 

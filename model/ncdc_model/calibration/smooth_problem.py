@@ -14,7 +14,7 @@ from ncdc_model.calibration.smooth_vector import (
     project,
 )
 
-__all__ = ["MIN_POINTS", "ROBUST", "Problem"]
+__all__ = ["MIN_POINTS", "ROBUST", "SPREAD", "Problem"]
 
 MIN_POINTS = 12        # of a photo: its pose has six unknowns, the lens has nine more
 _FOCALS = (0.3, 0.45, 0.7, 1.1)     # first guesses, in image widths
@@ -25,7 +25,7 @@ ROBUST = 0.5           # pixels: larger residuals count linearly
 # logarithm, in widths), the centre (from the middle, in widths) and the others in the order of the
 # vector. Photos from several sides determine the lens; then the prior has little weight.
 _MEAN = np.array([np.log(0.5)] + [0.0] * (LENS - 1))
-_SPREAD = np.array([0.4] + [0.03] * 2 + [0.15] * TERMS + [0.002] * 2 + [0.5] * 2 + [0.002] * 2
+SPREAD = np.array([0.4] + [0.03] * 2 + [0.15] * TERMS + [0.002] * 2 + [0.5] * 2 + [0.002] * 2
                    + [0.02] * 2 + [0.02, 0.01])
 _ALONE, _TOGETHER = 1 / 128, 1 / 1280     # of the width: residual of one deviation
 # Of the width: residual of a lens that is not smooth. With smaller residuals the points determine
@@ -51,7 +51,7 @@ class Problem:
         self.measured = np.concatenate(self.points)
         self.cells = np.concatenate(self.indices)
         self.owner = np.repeat(np.arange(len(photos)), [len(xy) for xy in self.points])
-        self.prior_scale = size[0] * max(_ALONE / len(photos)**2, _TOGETHER) / _SPREAD
+        self.prior_scale = size[0] * max(_ALONE / len(photos)**2, _TOGETHER) / SPREAD
 
     def part(self):
         """The problem with some of each photo's points, enough for a search."""

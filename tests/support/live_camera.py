@@ -1,0 +1,90 @@
+"""A rendered camera in front of which somebody moves a target, with its true lens."""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import cv2
+import numpy as np
+
+from ncdc_bench.photos.targets import Bank, Pose
+from ncdc_model.compare import fitted_plane
+
+__all__ = ["HAND_PICKED", "Hand", "map_error", "photos_of", "played", "sweep"]
+
+STEP = 0.2              # seconds from frame to frame
+STILL = 3               # frames for which a pose is held
+BLURRED = 6             # of so many moves from pose to pose, one has a frame in between
+_VIEW = 0.6             # focal length over the width: 98 degrees across
+_SCALE = 0.375          # of 1280x960
+_BANK = Bank(Path(__file__).resolve().parents[1] / "data", _SCALE)
+# A careful person's: the middle, each corner, each side, tilted to every side.
+HAND_PICKED = tuple(Pose(middle=middle, step=step, turn=turn, tilts=tilts)
+                    for middle, step, turn, tilts in (
+    ((0, 0), .19, 2, (0, 0)), ((-.8, -.55), .17, -4, (20, 15)), ((.8, -.55), .17, 5, (15, -25)),
+    ((-.8, .55), .17, 3, (-25, 20)), ((.8, .55), .17, -6, (-15, -20)), ((0, -.5), .15, 0, (30, 0)),
+    ((0, .5), .15, 4, (-30, 5)), ((-.7, 0), .15, -3, (5, 30)), ((.7, 0), .15, 2, (0, -30)),
+    ((.1, 0), .13, 20, (25, 25)), ((-.1, .1), .2, -15, (-20, 10))))
+
+
+def sweep(seed=3, rounds=3):
+    """Poses of a hand that goes over the picture several times, in no particular order."""
+    rng, poses = np.random.default_rng(seed), [Pose(step=.16, turn=2.0, tilts=(0.0, 0.0))]
+    for _ in range(rounds):
+        places = [(x, y) for x in (-.8, 0, .8) for y in (-.58, 0, .58)]
+        poses += [Pose(middle=(x + rng.uniform(-.12, .12), y + rng.uniform(-.08, .08)),
+                       step=rng.uniform(.13, .19), turn=rng.uniform(-10, 10),
+                       tilts=tuple(rng.uniform(-30, 30, 2))) for x, y in rng.permutation(places)]
+    return poses
+
+
+@dataclass(frozen=True)
+class Hand:
+    """A target of a ``kind`` and ``size`` (columns, rows)."""
+    kind: str = "chessboard"
+    size: tuple = (9, 6)
+
+    def photo(self, pose, seed=1):
+        """The :class:`ncdc_bench.photos.targets.Photo` of the target in a pose."""
+        return _BANK.render((self.kind, *self.size, pose), view=_VIEW, seed=seed)
+
+    def frames(self, poses):
+        """Yield (image, seconds): each of ``poses`` held for a while, some blurred frames between.
+        """
+        time = 0.0
+        for number, pose in enumerate(poses):
+            still = self.photo(pose, number).image
+            if number % BLURRED == 1:
+                yield cv2.blur(still, (25, 1)), time
+                time += STEP
+            rng = np.random.default_rng(number)
+            for _ in range(STILL):
+                noise = rng.normal(0, 1.5, still.shape)
+                yield np.clip(np.rint(still + noise), 0, 255).astype(np.uint8), time
+                time += STEP
+
+
+def played(calibrator, frames):
+    """States of a :class:`LiveCalibrator` until it is done, and its pictures by name."""
+    states, pictures = [], []
+    for image, seconds in frames:
+        states.append(calibrator.look(image, seconds))
+        if states[-1].seen == "taken":
+            pictures.append((f"{len(pictures) + 1}.png", image))
+        if states[-1].done:
+            break
+    return states, pictures
+
+
+def photos_of(hand, poses):
+    """Pictures by name, one of each pose."""
+    return [(f"{k}.png", hand.photo(pose, 100 + k).image) for k, pose in enumerate(poses)]
+
+
+def map_error(camera, lens):
+    """Distances (n,) in pixels of the map of ``camera`` from that of the true ``lens``, over the
+    whole picture, apart from the view."""
+    width, height = camera.size
+    x, y = (part.ravel() for part in np.meshgrid(np.arange(4.0, width, 16),
+                                                 np.arange(4.0, height, 16)))
+    a, b = lens.plane(x, y)
+    return np.hypot(*np.subtract(fitted_plane(camera, a, b, x, y)(a, b), (x, y)))
