@@ -28,13 +28,16 @@ def plot_error_map(path, distance, title):
 def plot_point_errors(path, geometry, u, v, distance, held_out, title):
     """Write a PNG: error of every calibrated point at its position, and the histogram.
 
-    ``u``, ``v``: corrected pixels; ``distance``: pixels; ``held_out``: bool, drawn as diamonds.
-    All of shape (N,).
+    ``u``, ``v``: corrected pixels; ``distance``: pixels; ``held_out``: bool, drawn as diamonds,
+    or None if it is not known. All of shape (N,).
     """
     width, height = geometry.corrected
     figure, left, right = _panels((height, width))
     top = max(float(np.max(distance, initial=0)), 1e-9)
-    for which, marker, name in ((~held_out, "o", "trained on"), (held_out, "D", "held out")):
+    known = held_out is not None
+    kinds = (((~held_out, "o", "trained on"), (held_out, "D", "held out")) if known else
+             ((np.ones(len(u), bool), "o", None),))
+    for which, marker, name in kinds:
         if which.any():
             dots = left.scatter(u[which], v[which], c=distance[which], cmap=_COLOURS, vmin=0,
                                 vmax=top, s=16, marker=marker, label=name)
@@ -42,7 +45,8 @@ def plot_point_errors(path, geometry, u, v, distance, held_out, title):
              xlim=(-.06 * width, 1.06 * width), ylim=(1.06 * height, -.06 * height))
     left.add_patch(matplotlib.patches.Rectangle((0, 0), width - 1, height - 1, fill=False,
                                                 color="0.5"))
-    left.legend(loc="upper center", bbox_to_anchor=(.5, -.1), ncols=2, fontsize="small")
+    if known:
+        left.legend(loc="upper center", bbox_to_anchor=(.5, -.1), ncols=2, fontsize="small")
     figure.colorbar(dots, ax=left, label="error (distorted pixels)", shrink=.85)
     _histogram(right, distance, "points")
     _save(figure, path)

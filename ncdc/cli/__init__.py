@@ -77,9 +77,9 @@ def _files(args):
         outputs.append(given["output"])
     outputs += [given[name] for name in ("vcd", "fst") if given.get(name)]
     inputs = []
-    for name in ("descriptor", "image", "source", "reference", "previous",
+    for name in ("descriptor", "image", "source", "reference", "previous", "calibration", "photo",
                  "photos"):
-        value = given.get(name, [])
+        value = given.get(name) or []
         inputs += value if isinstance(value, list) else [value]
     return outputs, inputs, streams
 

@@ -6,10 +6,12 @@ from pathlib import Path
 import cv2
 import numpy as np
 
+from ncdc_bench.photos.lens import Lens, Plane
 from ncdc_bench.photos.targets import Bank, Pose
 from ncdc_model.compare import fitted_plane
 
-__all__ = ["HAND_PICKED", "Hand", "map_error", "photos_of", "played", "sweep"]
+__all__ = ["HAND_PICKED", "STEP", "Hand", "hand_picked", "map_error", "played", "seen_by", "sweep",
+           "true_lens"]
 
 STEP = 0.2              # seconds from frame to frame
 STILL = 3               # frames for which a pose is held
@@ -43,6 +45,11 @@ class Hand:
     kind: str = "chessboard"
     size: tuple = (9, 6)
 
+    @property
+    def target(self):
+        """As of ``ncdc calibrate --target``."""
+        return "{}:{}x{}".format(self.kind, *self.size)
+
     def photo(self, pose, seed=1):
         """The :class:`ncdc_bench.photos.targets.Photo` of the target in a pose."""
         return _BANK.render((self.kind, *self.size, pose), view=_VIEW, seed=seed)
@@ -75,9 +82,26 @@ def played(calibrator, frames):
     return states, pictures
 
 
-def photos_of(hand, poses):
-    """Pictures by name, one of each pose."""
-    return [(f"{k}.png", hand.photo(pose, 100 + k).image) for k, pose in enumerate(poses)]
+def hand_picked(hand):
+    """Pictures by name, one of each pose of :data:`HAND_PICKED`."""
+    return [(f"{k}.png", hand.photo(pose, 100 + k).image) for k, pose in enumerate(HAND_PICKED)]
+
+
+def true_lens(size):
+    """The lens of the pictures, of this ``size``."""
+    width, height = size
+    return Lens(_VIEW * width, ((width - 1) / 2 + 6, (height - 1) / 2 - 4))
+
+
+def seen_by(pose, size, seed, columns=9, rows=6, noise=0.03):
+    """Index (n, 2) and pixels (n, 2), with ``noise``, of the points that the lens would see."""
+    j, i = np.mgrid[:rows, :columns]
+    index = np.stack([i.ravel(), j.ravel()], axis=1).astype(np.float64)
+    plane = Plane(pose, (columns, rows))
+    xy = true_lens(size).pixels(plane.rays(index))
+    seen = ((xy > 3) & (xy < np.array(size) - 4)).all(axis=1)
+    rng = np.random.default_rng(seed)
+    return index[seen], xy[seen] + rng.normal(0, noise, (seen.sum(), 2))
 
 
 def map_error(camera, lens):

@@ -131,13 +131,18 @@ class LiveCalibrator:
         if sighting is None:
             return self._state("nothing", None, speed, np.nan)
         self._sharpest = min(self._sharpest, np.nan_to_num(sighting.blur, nan=np.inf))
-        plane = (None if self._information is None else
-                 plane_of(self._information.camera, sighting.index, sighting.xy))
+        plane = (None if self.lens is None else
+                 plane_of(self.lens, sighting.index, sighting.xy))
         gain = np.nan if plane is None else self._information.gain(plane, sighting.index)
         seen = self._judged(sighting, speed, seconds, plane)
         if seen == "taken":
             seen = self._take(sighting)
         return self._state(seen, sighting, speed, gain)
+
+    @property
+    def lens(self):
+        """The :class:`Camera` that explains the pictures so far; None before the first."""
+        return None if self._information is None else self._information.camera
 
     def _check(self, size):
         if self._size is None:
