@@ -35,7 +35,7 @@ def frames_of(name):
     """
     if is_pc_camera(name):
         with opened_camera(name) as camera:
-            yield ((image, time.monotonic()) for image in iter(camera.newest, None))
+            yield _camera_frames(camera)
     elif is_film(name):
         from ncdc_model.film import pictures_of  # needs an extra
         yield pictures_of(name, _PAUSE)
@@ -59,6 +59,11 @@ def _whole(device):
         yield
     finally:
         write_view(device, view)
+
+
+def _camera_frames(camera):
+    while True:
+        yield camera.newest(), time.monotonic()
 
 
 def _device_frames(stream):

@@ -1,14 +1,22 @@
-"""``ncdc correct``: corrects pictures and films with a bit-exact model of the hardware."""
+"""``ncdc correct``: corrects pictures, films and a camera's frames with a bit-exact model."""
 
 import sys
 from functools import cache
 
 from ncdc.cli.colour import add_colour, colour_choice, colour_line, colour_report
 from ncdc.cli.common import add_json, add_samples, raw_frame, write_report
-from ncdc.cli.sequence import FILM_MODES, correct_files, correct_film, correct_stream, listed
+from ncdc.cli.sequence import (
+    FILM_MODES,
+    correct_camera,
+    correct_files,
+    correct_film,
+    correct_stream,
+    listed,
+)
 from ncdc.terminal import Progress, percent, say
 from ncdc_model.correction import MODELS, coloured, correct, default_model
 from ncdc_model.images import check_suffix, is_film, write_image
+from ncdc_model.pc_camera import is_pc_camera
 from ncdc_spec.descriptor import Descriptor
 from ncdc_spec.errors import InputError
 from ncdc_spec.interpolation import CRESTS
@@ -24,11 +32,13 @@ def add_arguments(parser) -> None:
     parser.add_argument("descriptor", metavar="NET", help="descriptor of ncdc train")
     parser.add_argument("image", metavar="IMAGE", nargs="+",
                         help="raw Bayer frame (one channel), or a colour picture to be mosaiced; "
-                             "several of them, a folder or a pattern as 'frames/*.png'; a film; - "
-                             "for raw frames on standard input, which need --raw")
+                             "several of them, a folder or a pattern as 'frames/*.png'; a film; "
+                             "camera:0, a camera of this PC, until Ctrl-C; - for raw frames on "
+                             "standard input, which need --raw")
     parser.add_argument("-o", "--output", required=True, metavar="OUT",
-                        help="corrected picture; of several a folder; of raw frames on standard "
-                             "input a film, or - for bare RGB bytes on standard output")
+                        help="corrected picture; of several a folder; of a film or camera a "
+                             "film; of raw frames on standard input a film, or - for bare RGB "
+                             "bytes on standard output")
     parser.add_argument("--model", choices=MODELS,
                         help="compiled: C functions, which need a C compiler (default, if there is "
                              "one); reference: NumPy, which takes a hundred times as long; both "
@@ -37,6 +47,8 @@ def add_arguments(parser) -> None:
     film.add_argument("--film", choices=FILM_MODES, default=FILM_MODES[0],
                       help="bilinear (default), lanczos: remapped in their colours, not by the "
                            "hardware's arithmetic; mosaic: mosaiced, then corrected as raw frames")
+    film.add_argument("--frames", type=int, metavar="N",
+                      help="of a camera of this PC (default: until Ctrl-C)")
     film.add_argument("--fps", type=float, default=30.0, metavar="F",
                       help="frames per second of raw frames on standard input (default: 30)")
     add_colour(parser.add_argument_group("colour"))
@@ -49,10 +61,14 @@ def run(args) -> None:
     images = listed(args.image)
     if images == ["-"]:
         return correct_stream(args)
-    if films := [path for path in images if is_film(path)]:
+    for path in images:
+        camera = is_pc_camera(path)
+        if not camera and not is_film(path):
+            continue
         if len(images) > 1:
-            raise InputError(f"{films[0]} is a film, which is corrected alone")
-        return correct_film(args, films[0])
+            raise InputError(f"{path} is a {'camera' if camera else 'film'}, which is corrected "
+                             f"alone")
+        return correct_camera(args, path) if camera else correct_film(args, path)
     if images != args.image or len(images) > 1:
         return correct_files(args, images)
     return _correct_one(args, images[0])

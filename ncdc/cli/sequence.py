@@ -1,8 +1,9 @@
-"""Many pictures for ``ncdc correct``: files, a film, raw frames on standard input."""
+"""Many pictures for ``ncdc correct``: files, a film, a camera, raw frames on standard input."""
 
 import sys
 import time
 from contextlib import contextmanager
+from fractions import Fraction
 from functools import cache
 from glob import glob
 from pathlib import Path
@@ -15,6 +16,7 @@ from ncdc.cli.common import raw_frame, write_report
 from ncdc.terminal import Progress, Steps, say
 from ncdc_model.correction import coloured, correct, correction_of, default_model
 from ncdc_model.images import FILMS, is_film, mosaic, write_image
+from ncdc_model.pc_camera import is_pc_camera, opened_camera
 from ncdc_model.raw_dump import RawDump
 from ncdc_model.remap_tables import remap_tables
 from ncdc_spec.descriptor import Descriptor
@@ -22,7 +24,8 @@ from ncdc_spec.errors import InputError
 from ncdc_spec.interpolation import CRESTS
 from ncdc_spec.raw_gains import NO_RAW_GAINS
 
-__all__ = ["FILM_MODES", "correct_film", "correct_files", "correct_stream", "listed"]
+__all__ = ["FILM_MODES", "correct_camera", "correct_film", "correct_files", "correct_stream",
+           "listed"]
 
 _KERNELS = {"bilinear": cv2.INTER_LINEAR, "lanczos": cv2.INTER_LANCZOS4}
 _MOSAIC = "mosaic"
@@ -39,7 +42,9 @@ def listed(images):
     """
     paths = []
     for name in images:
-        if Path(name).is_dir():
+        if is_pc_camera(name):
+            found = [name]
+        elif Path(name).is_dir():
             found = sorted(str(path) for path in Path(name).iterdir()
                            if path.is_file() and not path.name.startswith("."))
         elif Path(name).exists() or not any(sign in name for sign in "*?["):
@@ -119,8 +124,35 @@ def correct_files(args, paths):
 def correct_film(args, path):
     """Correct the film ``path``, in its colours or as raw frames."""
     from ncdc_model.film import change_film
+    sequence, changed = _film_change(args, path)
+    change_film(path, args.output, sequence.descriptor.geometry.corrected, changed, say,
+                Progress("correcting"))
+    _report_film(args, sequence)
+
+
+def correct_camera(args, name):
+    """Correct what a camera of the PC sends into a film, for ``args.frames`` or until Ctrl-C."""
+    from ncdc_model.film import writing_film
+    if args.frames is not None and args.frames < 1:
+        raise InputError(f"--frames is {args.frames}, 1 is the limit")
+    sequence, changed = _film_change(args, name)
+    shown, size = Steps("correcting", quiet=True), sequence.descriptor.geometry.corrected
+    with opened_camera(name) as camera, writing_film(args.output, size, _rate(camera.rate)) as film:
+        try:
+            while args.frames is None or sequence.count < args.frames:
+                film.write(changed(camera.read()))
+                shown(f"{sequence.count} frames, {sequence.rate:.1f} per second")
+        except KeyboardInterrupt:
+            if not sequence.count:
+                raise
+    _report_film(args, sequence)
+
+
+def _film_change(args, name):
+    """:class:`_Sequence`, and the function that corrects an RGB picture of a film or a camera."""
     if not is_film(args.output):
-        raise InputError(f"{path} is a film, {args.output} is none: films are written as one of "
+        what = "a camera, whose pictures become a film" if is_pc_camera(name) else "a film"
+        raise InputError(f"{name} is {what}, {args.output} is none: films are written as one of "
                          f"{', '.join(FILMS)}")
     if args.film != _MOSAIC and colour_choice(args):
         raise InputError(f"the film is remapped in its colours ({args.film}): --raw-balance, "
@@ -133,12 +165,15 @@ def correct_film(args, path):
     def changed(picture):
         if picture.shape[1::-1] != geometry.distorted:
             raise InputError("{} has {}x{} pixels, the descriptor is for {}x{}".format(
-                path, *picture.shape[1::-1], *geometry.distorted))
+                name, *picture.shape[1::-1], *geometry.distorted))
         return change(mosaic(picture, geometry.bayer) if args.film == _MOSAIC else picture)
-    say(f"{path}: its pictures are " + (
+    say(f"{name}: its pictures are " + (
         f"mosaiced as {geometry.bayer} and corrected as the hardware does" if args.film == _MOSAIC
         else f"remapped in their colours ({args.film}), not by the hardware's arithmetic"))
-    change_film(path, args.output, geometry.corrected, changed, say, Progress("correcting"))
+    return sequence, changed
+
+
+def _report_film(args, sequence):
     how = {"model": sequence.model} if args.film == _MOSAIC else {}
     sequence.report({"film": args.film, **how})
 
@@ -190,9 +225,11 @@ def _sink(args, size):
         yield lambda picture: sys.stdout.buffer.write(picture.tobytes())
         sys.stdout.buffer.flush()
         return
-    from fractions import Fraction
-
     from ncdc_model.film import writing_film
-    rate = Fraction(args.fps).limit_denominator(1001)
-    with writing_film(args.output, size, rate) as film:
+    with writing_film(args.output, size, _rate(args.fps)) as film:
         yield film.write
+
+
+def _rate(frames_per_second):
+    """The rate of a film as a fraction, such as 30000/1001."""
+    return Fraction(frames_per_second).limit_denominator(1001)

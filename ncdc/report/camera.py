@@ -37,8 +37,8 @@ def points_section(image, points, frame, number):
     photo, count = points.photos[number], len(points.photos)
     this = "The photo is" if count == 1 else f"With {len(photo.index)} of them, this is"
     return {"title": "Calibration",
-            "text": f"{points.count} points of a target ({points.target}, {points.columns} columns, "
-                    f"{points.rows} rows) on {count} photo{'s' * (count > 1)}. {this} "
+            "text": f"{points.count} points of a target ({points.target}, {points.columns} "
+                    f"columns, {points.rows} rows) on {count} photo{'s' * (count > 1)}. {this} "
                     f"{photo.name or 'the first'}. Lines join neighbours: one that crosses others "
                     f"shows a wrong number.",
             "pictures": [embedded(draw_points(image, photo, frame, number))]}
@@ -46,8 +46,9 @@ def points_section(image, points, frame, number):
 
 def lens_section(camera, frame=None):
     """The lens in words."""
-    alone = ("" if frame is None or len(frame.names) > 1 else " One photo does not separate a "
-             "decentred lens from a tilted page: several from different sides do.")
+    alone = ("" if frame is None or len(frame.names) > 1 else " One photo separates neither a "
+             "short lens from a near page, nor a decentred lens from a tilted page: several from "
+             "different sides do.")
     return {"title": "The lens",
             "text": "What the calibration found. Each flaw is measured by how far it moves points "
                     f"in the photo, whatever the view.{alone}",
@@ -111,28 +112,29 @@ def commands_section(net, photo=None, source=None):
     return {"title": "Go on", "commands": [f"{line:<{width}}  # {what}" for line, what in lines]}
 
 
-def _targets(descriptor, frame):
-    """Corrected pixels (n, 2) of the points of the ``frame`` of training."""
-    matrices = np.reshape(descriptor.provenance["homography"], (-1, 3, 3))
+def _pairs(descriptor, frame):
+    """Corrected and distorted pixels (n, 2) of the points of the ``frame`` of training, their
+    index and photo: those inside the corrected picture, beyond which the integers saturate."""
     uv = np.empty_like(frame.distorted)
-    for number, matrix in enumerate(matrices):
+    for number, matrix in enumerate(np.reshape(descriptor.provenance["homography"], (-1, 3, 3))):
         on = frame.photo == number
-        index = frame.index[on].astype(np.float64)[:, None]
-        uv[on] = cv2.perspectiveTransform(index, matrix)[:, 0] if on.any() else 0
-    return uv
+        if on.any():
+            index = frame.index[on].astype(np.float64)[:, None]
+            uv[on] = cv2.perspectiveTransform(index, matrix)[:, 0]
+    inside = ((uv >= 1) & (uv <= np.array(descriptor.geometry.corrected) - 2)).all(axis=1)
+    return uv[inside], frame.distorted[inside], frame.index[inside], frame.photo[inside]
 
 
 def _straight(descriptor, frame):
-    uv = _targets(descriptor, frame)
-    before = straightness(frame.distorted, frame.index, frame.photo)
-    after = straightness(corrected_positions(fixed_map(descriptor), uv, frame.distorted),
-                         frame.index, frame.photo)
+    uv, xy, index, photo = _pairs(descriptor, frame)
+    before = straightness(xy, index, photo)
+    after = straightness(corrected_positions(fixed_map(descriptor), uv, xy), index, photo)
     return (f"Rows and columns of the target are {before.rms:.2f} px rms from straight lines in "
             f"the photos, and {after.rms:.3f} px in the corrected pictures ({after.lines} lines).")
 
 
 def _point_errors(descriptor, frame):
-    uv = _targets(descriptor, frame)
-    far = np.hypot(*np.subtract(fixed_map(descriptor)(*uv.T), frame.distorted.T))
-    return embedded_plot(plot_point_errors, descriptor.geometry, *uv.T, far,
-                         None, "integer network at the points")
+    uv, xy, _, _ = _pairs(descriptor, frame)
+    far = np.hypot(*np.subtract(fixed_map(descriptor)(*uv.T), xy.T))
+    return embedded_plot(plot_point_errors, descriptor.geometry, *uv.T, far, None,
+                         "integer network at the points")

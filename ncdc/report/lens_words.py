@@ -112,8 +112,8 @@ def _tilt(camera):
                 "looks like decentring")
     degrees = np.degrees(np.hypot(*camera.tilt.angles))
     effect = _effect(camera, replace(camera, tilt=TiltedSensor()))
-    return ("Tilt", f"{degrees:.2f}°", f"the sensor is not parallel to the lens, which moves points "
-            f"by up to {effect:.2f} px")
+    return ("Tilt", f"{degrees:.2f}°", f"the sensor is not parallel to the lens, which moves "
+            f"points by up to {effect:.2f} px")
 
 
 def _aspect(camera):

@@ -142,10 +142,11 @@ def test_the_uncertainty_is_that_of_the_map():
     assert .5 < rms(true) / rms(said) < 2
 
 
+@pytest.mark.longer
 def test_it_ends_by_itself_with_a_lens_as_good_as_that_of_hand_picked_photos(shown):
     """Points with the noise of a detector; without it, see the test on pictures."""
     errors = []
-    for seed in range(3):
+    for seed in range(2):
         calibrator, time = LiveCalibrator(), 0.0
         for number, pose in enumerate(sweep(seed)):
             shown[:] = [sighting(pose, seed=100 * seed + number)] * 3
@@ -162,9 +163,9 @@ def test_it_ends_by_itself_with_a_lens_as_good_as_that_of_hand_picked_photos(sho
     assert live < 1.2 * by_hand
 
 
-@pytest.mark.longer
-@pytest.mark.parametrize("hand", [Hand()], ids=["chessboard"])
-def test_a_rendered_camera_in_motion(hand):
+@pytest.mark.regress
+def test_a_rendered_camera_in_motion():
+    hand = Hand()
     states, pictures = played(LiveCalibrator(), hand.frames(sweep()))
     assert states[-1].done and {"moving", "waiting", "taken"} <= {one.seen for one in states}
     assert len(pictures) == states[-1].pictures < 25
