@@ -28,7 +28,7 @@ MAY_IMPORT = {
     # The emulated device corrects pictures; the window calibrates, from any source, and trains.
     "ncdc_host": {"ncdc_spec", "ncdc_model.golden", "ncdc_model.correction", "ncdc_model.images",
                   "ncdc_model.example", "ncdc_model.calibration", "ncdc_model.training",
-                  "ncdc_model.film", "ncdc_model.pc_camera"},
+                  "ncdc_model.compare", "ncdc_model.film", "ncdc_model.pc_camera"},
     # Timing for the planner, lenses for the drivers, and what the test benches compare with.
     "ncdc_hdl": {"ncdc_spec", "ncdc_model.planner.corrector_timing", "ncdc_model.planner.plan",
                  "ncdc_model.evaluate", "ncdc_model.golden.tone", "ncdc_model.correction"},

@@ -16,7 +16,7 @@ from ncdc_model.calibration.points import PhotoPoints, TargetPoints
 from ncdc_model.correction import correct
 from ncdc_model.golden.valid import valid_rows
 from ncdc_model.images import read_image, write_image
-from ncdc_model.lens import BrownWeng, TiltedSensor
+from ncdc_model.lens import BrownWeng, TiltedSensor, rotation
 from ncdc_model.training.source import load_source
 from ncdc_spec.descriptor import Descriptor, FloatNetwork
 
@@ -35,13 +35,13 @@ def quick_network(pairs, geometry, hidden=24):
     return FloatNetwork(weights, biases, solution[:-1].T, solution[-1])
 
 
-def page_points(tilt, name):
-    """Points, without noise, of a tilted page of dots that is turned by two degrees."""
-    grid = np.stack(np.meshgrid(np.arange(-11, 12), np.arange(-9, 10)), axis=-1).reshape(-1, 2)
-    flat = .12 * grid @ [[1, .035], [-.035, 1]]
-    depth = 1 + flat @ tilt
-    x, y = lens().distort(*(flat / depth[:, None]).T)
-    on = (x > 3) & (x < 316) & (y > 3) & (y < 236) & (depth > 0)
+def page_points(tilts, name):
+    """Points, without noise, of a page of dots at ``tilts`` in degrees, turned by two degrees."""
+    grid = np.stack(np.meshgrid(np.arange(-8, 9), np.arange(-6, 7)), axis=-1).reshape(-1, 2)
+    turn = rotation(*np.radians([*tilts, 2.0]))
+    rays = [0, 0, 1] + .16 * grid @ turn[:, :2].T
+    x, y = lens().distort(*(rays[:, :2] / rays[:, 2:]).T)
+    on = (x > 3) & (x < 316) & (y > 3) & (y < 236)
     return PhotoPoints(grid[on] + 20, np.stack([x, y], axis=1)[on], np.zeros(on.sum()), {}, name)
 
 
@@ -50,7 +50,7 @@ def folder(tmp_path, monkeypatch):
     """``net.toml``, its ``points.json``, and the photo of these."""
     monkeypatch.chdir(tmp_path)
     TargetPoints("dots", SIZE, tuple(map(page_points, (
-        (.05, -.03), (.3, -.15), (-.3, .1), (.1, .35)), ("page.png", *"abc")))).save("points.json")
+        (3, -2), (20, 15), (-25, 5)), ("page.png", "a.png", "b.png")))).save("points.json")
     write_image("page.png", cv2.GaussianBlur(np.random.default_rng(1).integers(
         0, 256, SIZE[::-1], np.uint8), (0, 0), 2))
     source = load_source("points.json")

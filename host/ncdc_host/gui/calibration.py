@@ -1,19 +1,18 @@
 """Runs :mod:`ncdc_host.gui.calibration_job` and reports its progress by signals."""
 
-import json
-import sys
 import tempfile
 from pathlib import Path
 
-from PySide6.QtCore import QObject, QProcess, Signal
+from PySide6.QtCore import QObject, Signal
 
+from ncdc_host.gui.job_process import JobProcess
 from ncdc_spec.interpolation import DEFAULT
 
 __all__ = ["Calibration"]
 
 
 class Calibration(QObject):
-    """One run, from a raw frame to a lens file in a folder that goes with this object.
+    """One run, from photos to a lens file in a folder that goes with this object.
 
     Signals
     -------
@@ -23,6 +22,13 @@ class Calibration(QObject):
     done(lens, report)
         Path of the descriptor, and its figures.
     failed(sentence)
+
+    Attributes
+    ----------
+    photos : list of path
+        By default :attr:`photo`.
+    previous : path or None
+        Earlier calibration, with which the lens of the points is compared.
     """
     step, progress = Signal(str), Signal(float, float)
     points_found, done = Signal(int, str, str), Signal(str, dict)
@@ -31,52 +37,39 @@ class Calibration(QObject):
     def __init__(self, parent=None):
         super().__init__(parent)
         self._folder = tempfile.TemporaryDirectory(prefix="ncdc-calibration-")
-        self._process, self._error, self._result = None, "", None
-        self._rest = b""
+        self._error, self._result = "", None
+        self._process = JobProcess("ncdc_host.gui.calibration_job", self)
+        self._process.said.connect(self._understand)
+        self._process.ended.connect(self._ended)
+        self._process.failed.connect(self.failed)
+        self.photos, self.previous = [self.photo], None
 
     @property
     def photo(self):
-        """Path to which the raw frame must be written before :meth:`start`."""
+        """Path to which a raw frame may be written before :meth:`start`."""
         return Path(self._folder.name) / "photo.raw.png"
 
     @property
     def running(self):
         """Whether the process runs."""
-        return self._process is not None
+        return self._process.running
 
     def start(self, target, neurons, bayer, size=None, fill=(0, 0, 0), nodes="auto",
               interpolation=DEFAULT.name):
         """Begin; the names are those of ``ncdc calibrate`` and ``ncdc train``."""
-        arguments = ["-m", "ncdc_host.gui.calibration_job", self.photo, self._folder.name,
-                     f"--target={target}", "--neurons", neurons, "--bayer", bayer,
-                     "--fill", *fill, "--nodes", nodes, "--interpolation", interpolation]
+        arguments = [*self.photos, self._folder.name, f"--target={target}", "--neurons", neurons,
+                     "--bayer", bayer, "--fill", *fill, "--nodes", nodes,
+                     "--interpolation", interpolation]
         if size is not None:
             arguments += ["--size", *size]
-        self._error, self._result, self._rest = "", None, b""
-        self._process = QProcess(self)
-        self._process.setProgram(sys.executable)
-        if sys.platform.startswith("linux"):
-            # Without a copy of this process's page tables, which takes tens of milliseconds.
-            self._process.setUnixProcessParameters(QProcess.UnixProcessFlag.UseVFork)
-        self._process.setArguments([str(argument) for argument in arguments])
-        self._process.readyReadStandardOutput.connect(self._read)
-        self._process.errorOccurred.connect(self._not_started)
-        self._process.finished.connect(self._finished)
-        self._process.start()
+        if self.previous is not None:
+            arguments += ["--previous", self.previous]
+        self._error, self._result = "", None
+        self._process.start(arguments)
 
     def cancel(self):
         """End the process, if it runs; nothing is signalled any more."""
-        process, self._process = self._process, None
-        if process is not None:
-            process.disconnect(self)
-            process.kill()
-            process.finished.connect(process.deleteLater)
-
-    def _read(self):
-        *lines, self._rest = (self._rest
-                              + bytes(self._process.readAllStandardOutput())).split(b"\n")
-        for line in lines:
-            self._understand(json.loads(line))
+        self._process.cancel()
 
     def _understand(self, about):
         if "step" in about:
@@ -90,18 +83,8 @@ class Calibration(QObject):
         elif "error" in about:
             self._error = about["error"]
 
-    def _not_started(self, error):
-        if error == QProcess.ProcessError.FailedToStart:
-            self._process = None
-            self.failed.emit(f"{sys.executable} cannot be run")
-
-    def _finished(self, status, how):
-        self._read()
-        said = bytes(self._process.readAllStandardError()).decode(errors="replace").strip()
-        self._process.deleteLater()
-        self._process = None
+    def _ended(self, status, last):
         if self._result is not None and status == 0:
             self.done.emit(*self._result)
         else:
-            last = said.splitlines()[-1] if said else f"exit status {status}"
             self.failed.emit(self._error or f"the calibration ended unexpectedly: {last}")

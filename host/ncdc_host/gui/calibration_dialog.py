@@ -1,6 +1,7 @@
 """"Calibrate from this picture": what is asked, how far it is, what came of it."""
 
 import shutil
+from pathlib import Path
 
 from PySide6.QtCore import QSize, QSizeF, Qt, Signal
 from PySide6.QtGui import QPixmap
@@ -12,18 +13,21 @@ from PySide6.QtWidgets import (
     QFormLayout,
     QLabel,
     QProgressBar,
+    QPushButton,
     QSizePolicy,
     QSpinBox,
     QVBoxLayout,
 )
 
 from ncdc_host.gui.calibration import Calibration
+from ncdc_host.gui.file_names import name_to_open
 from ncdc_spec.formats import MAX_NEURONS
 
-__all__ = ["CalibrationDialog"]
+__all__ = ["TARGETS", "CalibrationDialog"]
 
-_TARGETS = ("auto", "dots", "circles:11x7", "acircles:4x11", "chessboard:9x6", "charuco:8x11")
+TARGETS = ("auto", "dots", "circles:11x7", "acircles:4x11", "chessboard:9x6", "charuco:8x11")
 _NEURONS = 8
+_BAYER = "RGGB"         # of a network for a camera that sends colours
 _PICTURE_MIN = 160, 90
 _SIZE = 560, 640
 
@@ -58,7 +62,7 @@ class _Picture(QLabel):
 
 
 class CalibrationDialog(QDialog):
-    """Makes a lens of one raw frame.
+    """Makes a lens of one raw frame, or of the pictures of :meth:`use_pictures`.
 
     Signals ``lens_wanted(path, number)`` when the user wants it loaded as the device's lens of that
     number.
@@ -85,9 +89,10 @@ class CalibrationDialog(QDialog):
         self.picture = _Picture()
         self.picture.setAccessibleName("Raw frame")
         self._show_frame()
-        text = QLabel("The raw frame that the device sees now. It should show a calibration "
-                      "target that fills it: a page of dots, a chessboard, circles or ChArUco.")
-        text.setWordWrap(True)
+        self.about = QLabel("The raw frame that the device sees now. It should show a calibration "
+                            "target that fills it: a page of dots, a chessboard, circles or "
+                            "ChArUco.")
+        self.about.setWordWrap(True)
         self.progress = QProgressBar(maximum=1000, textVisible=True)
         self.progress.hide()
         self.state = QLabel(wordWrap=True, textFormat=Qt.TextFormat.PlainText)
@@ -95,7 +100,7 @@ class CalibrationDialog(QDialog):
         self.state.setAlignment(Qt.AlignmentFlag.AlignTop)
         self.state.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
         column = QVBoxLayout(self)
-        for widget in (text, self.picture):
+        for widget in (self.about, self.picture):
             column.addWidget(widget, int(widget is self.picture))
         column.addLayout(self._form(lenses, active, reason))
         for widget in (self.state, self.progress):
@@ -107,7 +112,7 @@ class CalibrationDialog(QDialog):
     def _form(self, lenses, active, reason):
         form = QFormLayout()
         self.target = QComboBox(editable=True)
-        self.target.addItems(_TARGETS)
+        self.target.addItems(TARGETS)
         self.target.setToolTip("auto recognises it; else as ncdc calibrate --target has it, "
                                "as in chessboard:9x6 (inner corners)")
         highest = self._limits.neurons if self._limits else MAX_NEURONS
@@ -125,6 +130,11 @@ class CalibrationDialog(QDialog):
         self.file_only = QLabel(f"a file only: {reason}", wordWrap=True)
         form.addRow("&Replaces" if self._limits else "Goes into",
                     self.number if self._limits else self.file_only)
+        self.previous = QPushButton("an earlier calibration …")
+        self.previous.setToolTip("The difference of the lens that is found, in pixels, whatever "
+                                 "the view")
+        self.previous.clicked.connect(self._ask_previous)
+        form.addRow("&Compare with", self.previous)
         return form
 
     def _buttons(self):
@@ -151,24 +161,47 @@ class CalibrationDialog(QDialog):
         self.job.done.connect(self._done)
         self.job.failed.connect(self._failed)
 
+    def use_pictures(self, live):
+        """Take the pictures of a :class:`LiveCalibration` in place of the raw frame."""
+        live.setParent(self)            # whose folder goes with it
+        self.job.photos = live.pictures
+        self.about.setText(f"The {len(live.pictures)} pictures of the live calibration. The lens "
+                           f"of all is found, then a network is trained.")
+
+    def _ask_previous(self):
+        path = name_to_open(self, "Compare with an earlier calibration",
+                            "Lens, points or camera files (*.toml *.json *.yaml *.yml)")
+        if path:
+            self.compare_with(path)
+
+    def compare_with(self, path):
+        """Have the result compared with an earlier calibration."""
+        self.job.previous = path
+        self.previous.setText(Path(path).name)
+
     def run(self):
         """Have the photo written, then begin (:meth:`photo_written`)."""
         self.lens = None
         self._settable(False)
         self._show_frame()          # no points of an earlier run
+        if self.job.photos != [self.job.photo]:
+            self._begin()
+            return
         self._step("Writing the raw frame")
         self.photo_wanted.emit(str(self.job.photo), self._shown.frame.pixels)
 
     def photo_written(self, path):
         """The photo is there: calibrate and train."""
-        if path != str(self.job.photo) or self.job.running:
-            return
+        if path == str(self.job.photo) and not self.job.running:
+            self._begin()
+
+    def _begin(self):
         limits = self._limits
         fixed = {} if limits is None else {"size": limits.corrected, "fill": limits.fill,
                                            "nodes": limits.nodes,
                                            "interpolation": limits.interpolation}
         self.job.start(self.target.currentText().strip(), self.neurons.value(),
-                       self._shown.frame.pixel_format.bayer, **fixed)
+                       self._shown.frame.pixel_format.bayer or _BAYER, **fixed)
 
     def _load(self):
         self.load.setEnabled(False)
@@ -194,7 +227,7 @@ class CalibrationDialog(QDialog):
         super().reject()
 
     def _settable(self, on):
-        for widget in (self.start, self.target, self.neurons):
+        for widget in (self.start, self.target, self.neurons, self.previous):
             widget.setEnabled(on)
         self.progress.setVisible(not on)
         self.leave.setText("Close" if on else "Cancel")
@@ -229,8 +262,16 @@ class CalibrationDialog(QDialog):
         self.result = (
             f"{self.found}; over the whole picture the network errs by an estimated "
             f"{report['mean_px']:.3f} px in the mean, {report['max_px']:.2f} px at most; "
-            f"{report['valid_percent']:.1f} % of the picture has a source.{warnings}")
+            f"{report['valid_percent']:.1f} % of the picture has a source."
+            f"{self._difference(report.get('difference_px'))}{warnings}")
         self.state.setText(self.result)
+
+    def _difference(self, found):
+        """A sentence on the difference from the earlier calibration, if there is one."""
+        if not found:
+            return ""
+        return (f" {self.previous.text()} differs by {found['rms']:.3f} px rms, {found['max']:.2f} "
+                f"px at most, at ({found['x']:.0f}, {found['y']:.0f}).")
 
     def _failed(self, text):
         self._settable(True)

@@ -1,6 +1,6 @@
-"""A process that makes a lens of one photo: calibrates, trains, and reports its progress.
+"""A process that makes a lens of photos: calibrates, trains, and reports its progress.
 
-    python -m ncdc_host.gui.calibration_job PHOTO FOLDER --neurons 8 --target auto ...
+    python -m ncdc_host.gui.calibration_job PHOTO ... FOLDER --neurons 8 --target auto ...
 
 Each line of its output is a JSON object: {"step": text}, {"share": 0..1, "mse": px^2} or
 {"points": count, "target": name, "overlay": path}. The last one is {"report": {...}, "lens": path}
@@ -11,6 +11,7 @@ import argparse
 import json
 import os
 import sys
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -18,7 +19,8 @@ import numpy as np
 from ncdc_model.calibration.detect import detect_points
 from ncdc_model.calibration.frame import ideal_frame
 from ncdc_model.calibration.overlay import draw_points
-from ncdc_model.images import demosaic, read_image, write_image
+from ncdc_model.compare import difference_from
+from ncdc_model.images import demosaic, is_raw, read_image, write_image
 from ncdc_model.training.choices import TrainingChoices
 from ncdc_model.training.pipeline import train_camera
 from ncdc_model.training.source import load_source
@@ -47,7 +49,7 @@ def main(arguments=None):
 
 def _parser():
     parser = argparse.ArgumentParser(prog="calibration_job")
-    parser.add_argument("photo", type=Path)
+    parser.add_argument("photos", type=Path, nargs="+")
     parser.add_argument("folder", type=Path)
     parser.add_argument("--target", default="auto")
     parser.add_argument("--neurons", type=int, default=8)
@@ -57,6 +59,7 @@ def _parser():
     parser.add_argument("--nodes", type=lambda text: text if text == "auto" else int(text),
                         default="auto")
     parser.add_argument("--interpolation", default=DEFAULT.name)
+    parser.add_argument("--previous", type=Path)
     return parser
 
 
@@ -66,15 +69,17 @@ def _tell(**about):
 
 def _run(args):
     _tell(step="Looking for the target")
-    raw = read_image(args.photo)
-    points = detect_points([(args.photo.name, raw)], args.target)
+    points = detect_points([(photo.name, partial(read_image, photo)) for photo in args.photos],
+                           args.target)
     points.save(args.folder / "points.json")
     overlay = args.folder / "points.png"
     try:
         frame = ideal_frame(points)
     except InputError:
         frame = None        # the picture shows the points without arrows; training says why
-    write_image(overlay, draw_points(demosaic(raw, args.bayer), points.photos[0], frame))
+    raw = read_image(next(photo for photo in args.photos if photo.name == points.photos[0].name))
+    write_image(overlay, draw_points(demosaic(raw, args.bayer) if is_raw(raw) else raw,
+                                     points.photos[0], frame))
     _tell(points=points.count, target=points.target, overlay=str(overlay))
     _tell(step=f"Training {args.neurons} hidden neurons")
     source = load_source(args.folder / "points.json", args.size, bayer=args.bayer,
@@ -90,7 +95,9 @@ def _run(args):
         "neurons": report["hidden_neurons"], "warnings": report["warnings"],
         "mean_px": errors["mean"], "max_px": errors["max"],
         "valid_percent": report["valid_percent"],
-        "straightness_rms_px": report["straightness_rms_px"]})
+        "straightness_rms_px": report["straightness_rms_px"],
+        "difference_px": None if args.previous is None else difference_from(
+            source.frame.camera, args.previous)})
 
 
 if __name__ == "__main__":

@@ -35,6 +35,8 @@ class DeviceTab(TabWidgets):
         For the status line.
     enabled()
         The result of :meth:`can` may have changed.
+    pictured(Shown)
+        A picture came.
 
     Attributes
     ----------
@@ -42,7 +44,7 @@ class DeviceTab(TabWidgets):
     files : PictureFiles
     """
     titled, wants, said = Signal(str, str, str), Signal(str, bool), Signal(str)
-    enabled = Signal()
+    enabled, pictured = Signal(), Signal(object)
 
     def __init__(self, url, name="", monitor=False):
         super().__init__()
@@ -113,7 +115,7 @@ class DeviceTab(TabWidgets):
         "loader.ask"."""
         if action in self.bar.modes:
             return self.bar.modes[action].isEnabled()
-        if action in ("loader.ask", "loader.calibrate"):
+        if action in ("loader.ask", "loader.calibrate", "loader.calibrate_live"):
             return self.lenses.isEnabled()
         if action == "take_again":
             return not self.bar.again.isHidden()
@@ -230,6 +232,7 @@ class DeviceTab(TabWidgets):
             return
         self._listen()
         self._rest.start()
+        self.pictured.emit(shown)
         if self.frozen:
             return
         first, self.shown = self.shown is None, shown

@@ -5,6 +5,7 @@ from operator import attrgetter
 from PySide6.QtCore import QSettings, QSize, Qt
 from PySide6.QtGui import QAction, QKeySequence
 from PySide6.QtWidgets import (
+    QInputDialog,
     QLabel,
     QMainWindow,
     QSplitter,
@@ -17,6 +18,7 @@ from PySide6.QtWidgets import (
 from ncdc_host.gui.about import about_box
 from ncdc_host.gui.device_tab import DeviceTab
 from ncdc_host.gui.devices_panel import DevicesPanel
+from ncdc_host.gui.live_source import LiveSource
 from ncdc_host.gui.picture_view import MODES
 
 __all__ = ["MainWindow"]
@@ -90,6 +92,9 @@ class MainWindow(QMainWindow):
         menu.addSeparator()
         self._add_of_tab(menu, "Load &lens file …", "Ctrl+L", "loader.ask")
         self._add_of_tab(menu, "&Calibrate from this picture …", "Ctrl+K", "loader.calibrate")
+        self._add_of_tab(menu, "Calibrate li&ve …", "Ctrl+Shift+K", "loader.calibrate_live")
+        self._add(menu, "Calibrate a camera of this &PC or a film …", "Ctrl+Shift+P",
+                  self.ask_source)
         menu.addSeparator()
         self.of_tab.append((self._add(menu, "&Close tab", QKeySequence.StandardKey.Close,
                                       lambda: self.close_tab(self.tabs.currentIndex())), ""))
@@ -156,6 +161,19 @@ class MainWindow(QMainWindow):
         box = about_box(self)
         box.open()
         return box
+
+    def ask_source(self):
+        """Ask for a camera of this PC or a film, and calibrate it live."""
+        name, fine = QInputDialog.getText(
+            self, "Calibrate live", "camera:0 is the first camera of this PC; or the path of a "
+            "film:", text="camera:0")
+        if fine and name.strip():
+            self.calibrate_source(name.strip())
+
+    def calibrate_source(self, name):
+        """Calibrate a camera of this PC or a film live; returns the :class:`LiveSource`."""
+        self.live = LiveSource(name, self)
+        return self.live
 
     # Panels at the sides.
 

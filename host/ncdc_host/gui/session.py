@@ -99,7 +99,7 @@ class Session(QObject):
         super().__init__()
         self.url, self.monitor = url, monitor
         self._device = self._receiver = None
-        self._lost = False
+        self._lost, self._view = False, None
         self._features, self._before = {}, Statistics(0, 0, 0, 0, 0.0)
         self._jobs, self._serial = queue.Queue(), 0
         self._wanted, self._lock = {}, threading.Lock()
@@ -140,6 +140,10 @@ class Session(QObject):
     def take_still(self, purpose, mirrored=True):
         """Take a whole raw frame, then go on as before; see :class:`Still`."""
         self._jobs.put(partial(self._take_still, purpose, mirrored))
+
+    def stream_sensor(self, on):
+        """Send whole raw frames as the sensor's pixels lie, or again what was sent before."""
+        self._jobs.put(partial(self._stream_sensor, on))
 
     def load_lens(self, path, name, number):
         """Make the descriptor file ``path`` lens ``number`` of the device, and the active one."""
@@ -332,6 +336,20 @@ class Session(QObject):
         except DeviceError as error:
             limits, reason = None, str(error)
         self.still.emit(Still(Shown.of(frame), purpose, limits, reason))
+
+    def _stream_sensor(self, on):
+        if self._device is None or on == (self._view is not None):
+            return
+        if not has_correction(self._device):
+            raise DeviceError(f"{self.url} sends no raw frames")
+        with self._paused():
+            if on:
+                self._view = read_view(self._device)
+                show_whole(self._device, False, mirrored=False)
+            else:
+                view, self._view = self._view, None
+                write_view(self._device, view)
+        self._refresh()
 
     def _load_lens(self, path, name, number):
         if self._device is None:
