@@ -5,6 +5,7 @@ import pytest
 
 from live_camera import (
     HAND_PICKED,
+    SIZE,
     STEP,
     Hand,
     hand_picked,
@@ -24,7 +25,6 @@ from ncdc_model.calibration.live.sighting import Sighting
 from ncdc_model.calibration.smooth import fit_smooth
 from ncdc_spec.errors import InputError
 
-SIZE = 480, 360
 BLANK = np.zeros(SIZE[::-1], np.uint8)
 
 

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from cameras import barrel_descriptor
-from live_camera import HAND_PICKED, Hand
+from live_camera import HAND_PICKED, write_film
 from ncdc.cli import main
 from ncdc_model import pc_camera
 from ncdc_model.calibration.points import TargetPoints
@@ -153,15 +153,10 @@ def test_some_frames_of_a_camera(camera, tmp_path, monkeypatch, capsys):
 
 @pytest.fixture(scope="module")
 def film(tmp_path_factory):
-    """A film of 30 frames per second in which a chessboard is held in three poses."""
+    """A film in which a chessboard is held in three poses."""
     pytest.importorskip("av")
-    from ncdc_model.film import writing_film
-    path, count = tmp_path_factory.mktemp("live") / "clip.mp4", 0
-    with writing_film(path, (480, 360), 30) as out:
-        for image, seconds in Hand().frames(POSES):
-            while count / 30 < 1.5 * (seconds + .2):
-                out.write(image)
-                count += 1
+    path = tmp_path_factory.mktemp("live") / "clip.mp4"
+    write_film(path, POSES)
     return path
 
 

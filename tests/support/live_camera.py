@@ -10,15 +10,15 @@ from ncdc_bench.photos.lens import Lens, Plane
 from ncdc_bench.photos.targets import Bank, Pose
 from ncdc_model.compare import fitted_plane
 
-__all__ = ["HAND_PICKED", "STEP", "Hand", "hand_picked", "map_error", "played", "seen_by", "sweep",
-           "true_lens"]
+__all__ = ["HAND_PICKED", "SIZE", "STEP", "Hand", "hand_picked", "map_error", "played", "seen_by",
+           "sweep", "true_lens", "write_film"]
 
 STEP = 0.2              # seconds from frame to frame
 STILL = 3               # frames for which a pose is held
 BLURRED = 6             # of so many moves from pose to pose, one has a frame in between
 _VIEW = 0.6             # focal length over the width: 98 degrees across
-_SCALE = 0.375          # of 1280x960
-_BANK = Bank(Path(__file__).resolve().parents[1] / "data", _SCALE)
+SIZE = 480, 360
+_BANK = Bank(Path(__file__).resolve().parents[1] / "data", SIZE[0] / 1280)
 # A careful person's: the middle, each corner, each side, tilted to every side.
 HAND_PICKED = tuple(Pose(middle=middle, step=step, turn=turn, tilts=tilts)
                     for middle, step, turn, tilts in (
@@ -68,6 +68,17 @@ class Hand:
                 noise = rng.normal(0, 1.5, still.shape)
                 yield np.clip(np.rint(still + noise), 0, 255).astype(np.uint8), time
                 time += STEP
+
+
+def write_film(path, poses):
+    """Write a film of 30 frames per second in which a chessboard is held in ``poses``."""
+    from ncdc_model.film import writing_film
+    count = 0
+    with writing_film(path, SIZE, 30) as out:
+        for image, seconds in Hand().frames(poses):
+            while count / 30 < 1.5 * (seconds + STEP):
+                out.write(image)
+                count += 1
 
 
 def played(calibrator, frames):

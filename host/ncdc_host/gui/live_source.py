@@ -1,5 +1,7 @@
 """Live calibration from a camera of the PC or a film, without a device."""
 
+from pathlib import Path
+
 from PySide6.QtCore import QObject, Qt
 
 from ncdc_host.client.frame import Frame
@@ -26,9 +28,9 @@ class LiveSource(QObject):
 
     def __init__(self, name, parent):
         super().__init__(parent)
-        self.name, self._parent = name, parent
+        self.name, self._parent = Path(name).name, parent
         self.reader = SourceReader(name, self)
-        self.dialog = LiveDialog(name, parent)
+        self.dialog = LiveDialog(self.name, parent)
         self.dialog.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
         self.dialog.frame_wanted.connect(self.reader.ask)
         self.dialog.complete.connect(self._train)
