@@ -4,7 +4,7 @@ import sys
 from dataclasses import dataclass
 from pathlib import Path
 
-from ncdc.cli.common import raw_frame, read_photo
+from ncdc.cli.common import add_json, raw_frame, read_photo, write_report
 from ncdc.report.camera import (
     accuracy_section,
     commands_section,
@@ -18,12 +18,13 @@ from ncdc.terminal import Progress
 from ncdc_model.calibration.camera_file import load_camera_map
 from ncdc_model.calibration.frame import IdealFrame, ideal_frame
 from ncdc_model.calibration.points import TargetPoints
+from ncdc_model.calibration.remap_file import are_remap_files
 from ncdc_model.correction import correct
 from ncdc_model.images import demosaic, is_raw
 from ncdc_model.training.source import load_points
 from ncdc_spec.descriptor import Descriptor
 from ncdc_spec.errors import InputError
-from ncdc_spec.files import write_text
+from ncdc_spec.files import check_outputs, write_text
 
 __all__ = ["EXAMPLE", "add_arguments", "run"]
 
@@ -41,6 +42,7 @@ def add_arguments(parser) -> None:
     parser.add_argument("--photo", metavar="FILE",
                         help="photo by this camera, raw or in colour (default: the first of the "
                              "points, next to them or in the folder of a live calibration)")
+    add_json(parser)
 
 
 @dataclass(frozen=True)
@@ -58,11 +60,12 @@ def run(args) -> None:
     warnings, progress = [], Progress("report")
     material = _material(args, descriptor, warnings)
     photo, number = _photo(args, material, warnings)
+    check_outputs([args.output], [path for path in (material.source, photo) if path])
     progress(.2, " lens")
-    sections = _photo_sections(descriptor, material, photo, number)
+    sections, lens = _photo_sections(descriptor, material, photo, number), None
     if material.camera is not None:
-        sections += [lens_section(material.camera, material.frame),
-                     accuracy_section(descriptor, material.camera, material.frame)]
+        lens = lens_section(material.camera, material.frame)
+        sections += [lens, accuracy_section(descriptor, material.camera, material.frame)]
     progress(.4, " hardware")
     sections += [hardware_section(descriptor, lambda share: progress(.4 + .6 * share)),
                  commands_section(args.descriptor, photo, material.source)]
@@ -71,7 +74,11 @@ def run(args) -> None:
     progress(1)
     for sentence in warnings:
         print(f"warning: {sentence}", file=sys.stderr)
-    print(f"look at {args.output}")
+    report = {"digest": descriptor.digest, "page": args.output, "warnings": warnings,
+              "lens_words": {name: [figure, words] for name, figure, words in lens["rows"][1:]}
+              if lens else {}}
+    if not write_report(report, args.json):
+        print(f"look at {args.output}")
 
 
 def _lead(descriptor):
@@ -91,6 +98,10 @@ def _material(args, descriptor, warnings):
         warnings.append(f"{path} is not there: --calibration names the points or the camera file, "
                         f"without which there is nothing on the lens and its errors")
         return _Material()
+    if are_remap_files(path)[1]:
+        warnings.append(f"{path} is a map: there is nothing on the lens; ncdc evaluate measures the "
+                        f"errors")
+        return _Material(path)
     geometry = descriptor.geometry
     points = load_points(path, geometry.distorted)
     if points is None:

@@ -27,11 +27,12 @@ def folder(tmp_path, monkeypatch):
 
 INPUTS = {"calibrate": ["frame.png"], "train": ["camera.toml", "--neurons", "2"],
           "evaluate": ["net.toml", "--reference", "camera.toml"],
+          "report": ["net.toml"],
           "correct": ["net.toml", "frame.png"], "simulate": ["net.toml", "frame.png"],
           "export": ["net.toml"], "plan": ["net.toml"], "generate": ["net.toml"],
           "build": ["net.toml", "--board", "ulx3s"],
           "demo": [], "bench": ["accuracy"]}
-FILES = "calibrate", "train", "correct", "simulate", "export"
+FILES = "calibrate", "train", "report", "correct", "simulate", "export"
 FOLDERS = "demo", "generate", "build", "bench"
 NETWORK = "client", "device", "soc"     # they need one: tests/host and tests/soc try them
 OTHERS = ("sensor", "doctor", "target",  # their one file: test_sensor_command, test_doctor, ...
