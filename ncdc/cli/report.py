@@ -99,8 +99,8 @@ def _material(args, descriptor, warnings):
                         f"without which there is nothing on the lens and its errors")
         return _Material()
     if are_remap_files(path)[1]:
-        warnings.append(f"{path} is a map: there is nothing on the lens; ncdc evaluate measures the "
-                        f"errors")
+        warnings.append(f"{path} is a map: there is nothing on the lens; ncdc evaluate measures "
+                        f"its errors")
         return _Material(path)
     geometry = descriptor.geometry
     points = load_points(path, geometry.distorted)
