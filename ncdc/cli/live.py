@@ -6,6 +6,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from ncdc.terminal import say
+from ncdc_host.client.errors import DeviceError
 from ncdc_host.sources import frames_of
 from ncdc_model.calibration.live.calibrator import MAX_PICTURES, LiveCalibrator
 from ncdc_model.compare import difference_from
@@ -50,6 +51,9 @@ def pictures_of_live(args):
         raise InputError(f"--live {args.live} takes its own pictures, {args.photos[0]} is one more")
     if not 1 <= args.pictures <= MAX_PICTURES:
         raise InputError(f"--pictures is {args.pictures}, the limits are 1 and {MAX_PICTURES}")
+    if args.raw is not None or args.bits is not None:
+        raise InputError(f"--{'raw' if args.bits is None else 'bits'} says how files are read, "
+                         f"--live {args.live} reads none")
     if args.states == args.json == "-":
         raise InputError("--states - and --json - are given, standard output holds one of them")
     output = Path(args.output)
@@ -87,6 +91,10 @@ def _watched(calibrator, frames, write, folder, names):
                 break
     except KeyboardInterrupt:
         say("ended")
+    except (InputError, DeviceError) as error:
+        if not names:
+            raise
+        say(str(error))         # the pictures are there
     if state is None:
         raise InputError("the source has no frame")
     return state
@@ -105,8 +113,9 @@ def _missing(state):
     wish = "" if state.wish is None else (
         f"; a picture with the target at the {state.wish.text}, would reduce its uncertainty of "
         f"{state.uncertainty_px:.3f} px by {100 * state.wish.gain:.0f} %")
-    return (f"the calibration is not complete: its {state.pictures} pictures cover "
-            f"{100 * state.covered:.0f} % of the frame{wish}")
+    one = state.pictures == 1
+    return (f"the calibration is not complete: its {state.pictures} picture{'' if one else 's'} "
+            f"cover{'s' if one else ''} {100 * state.covered:.0f} % of the frame{wish}")
 
 
 @contextmanager

@@ -58,6 +58,8 @@ def test_a_dialog_without_frames_can_be_closed(qtbot):
     dialog = LiveDialog("camera:0")
     qtbot.addWidget(dialog)
     dialog.begin()
+    dialog.trouble("The device rejects it.")
+    assert dialog.state.text() == "The device rejects it."
     assert dialog.live.waits and not dialog.go_on.isEnabled()
     dialog.source_ended("camera:0 sends no frame any more")
     assert dialog.state.text() == "camera:0 sends no frame any more" and not dialog.live.running

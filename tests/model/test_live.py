@@ -154,7 +154,7 @@ def test_it_ends_by_itself_with_a_lens_as_good_as_that_of_hand_picked_photos(sho
                 state, time = calibrator.look(BLANK, time), time + STEP
             if state.done:
                 break
-        assert state.done and state.pictures < 25 and state.covered >= .9
+        assert state.done and state.pictures < len(sweep()) and state.covered >= .9
         photos = [seen_by(pose, SIZE, 70 * seed + k) for k, pose in enumerate(HAND_PICKED)]
         lens = true_lens(SIZE)
         errors.append([rms(map_error(one, lens)) for one in (
@@ -168,7 +168,7 @@ def test_a_rendered_camera_in_motion():
     hand = Hand()
     states, pictures = played(LiveCalibrator(), hand.frames(sweep()))
     assert states[-1].done and {"moving", "waiting", "taken"} <= {one.seen for one in states}
-    assert len(pictures) == states[-1].pictures < 25
+    assert len(pictures) == states[-1].pictures < len(sweep())
     live, by_hand = (rms(map_error(ideal_frame(detect_points(photos, hand.target)).camera,
                                    true_lens(SIZE)))
                      for photos in (pictures, hand_picked(hand)))

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from cameras import barrel_descriptor
-from live_camera import HAND_PICKED, write_film
+from live_camera import HAND_PICKED, Hand, write_film
 from ncdc.cli import main
 from ncdc_model import pc_camera
 from ncdc_model.calibration.points import TargetPoints
@@ -186,6 +186,18 @@ def test_a_film(film, tmp_path, monkeypatch, capsys):
     assert difference["max"] < 1e-3
 
 
+@pytest.mark.longer
+def test_a_camera_that_is_unplugged(camera, tmp_path, monkeypatch, capsys):
+    """Its picture is calibrated all the same."""
+    monkeypatch.chdir(tmp_path)
+    picture = Hand().photo(POSES[0]).image[:, :, ::-1]
+    camera([picture] * 60)
+    assert main(["calibrate", "--live", "camera:0", "--target", "chessboard:9x6"]) == 0
+    out, err = capsys.readouterr()
+    assert "54 points (chessboard, 9 columns x 6 rows) in 1 of 1 photos" in out
+    assert "camera:0 sends no frame any more" in err and "not complete: its 1 picture covers" in err
+
+
 def test_a_camera_without_a_target(camera, tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     camera([np.full((64, 96, 3), 120, np.uint8)] * 40, interrupted=True)
@@ -199,6 +211,7 @@ def test_a_camera_without_a_target(camera, tmp_path, monkeypatch, capsys):
 @pytest.mark.parametrize("arguments,message", [
     ([], "no photo is given: files, a folder, or --live camera:0 are needed"),
     (["a.png", "--live", "camera:0"], "--live camera:0 takes its own pictures, a.png is one more"),
+    (["--live", "camera:0", "--bits", "12"], "--bits says how files are read, --live camera:0"),
     (["--live", "camera:0", "--pictures", "0"], "--pictures is 0, the limits are 1 and 40"),
     (["--live", "photo.png"], "photo.png is no running source: camera:0, a film"),
     (["--live", "missing.mp4"], "cannot read missing.mp4: No such file or directory"),

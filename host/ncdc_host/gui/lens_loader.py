@@ -43,7 +43,7 @@ class LensLoader(QObject):
     def _loaded(self, number, name):
         self.lenses.name_lens(number, name)
         self.tab.said.emit(f"Lens {number} is {name} now")
-        if self.dialog is not None:
+        if isinstance(self.dialog, CalibrationDialog):
             self.dialog.lens_loaded(number)
 
     def calibrate(self):
@@ -63,8 +63,8 @@ class LensLoader(QObject):
         live.begin()
 
     def _look(self, shown):
-        if shown.frame.pixel_format.raw:
-            frame = shown.frame
+        frame = shown.frame
+        if frame.pixel_format.raw and self.dialog.live.waits:
             self.dialog.show_frame(frame.pixels, frame.time_ns / 1e9, frame.picture())
 
     def _live_closed(self):

@@ -113,7 +113,12 @@ class LiveDialog(QDialog):
         """There are no more frames; ``reason``: a sentence, or empty at the end of a film."""
         if self.live.running:
             self.live.end()
+            self.again.setEnabled(False)
             self.state.setText(reason or "The film has ended. " + self.state.text())
+
+    def trouble(self, text):
+        """Something that was asked of the device did not work."""
+        self.state.setText(text)
 
     def _looked(self, about):
         state = about["state"]

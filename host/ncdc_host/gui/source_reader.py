@@ -4,6 +4,7 @@ import threading
 
 from PySide6.QtCore import QObject, Signal
 
+from ncdc_host.client.errors import DeviceError
 from ncdc_host.sources import frames_of
 from ncdc_spec.errors import InputError
 
@@ -57,7 +58,7 @@ class SourceReader(QObject):
                     if found is None:
                         break
                     self.frame.emit(*found)
-        except (InputError, ModuleNotFoundError) as error:
+        except (DeviceError, InputError, ModuleNotFoundError) as error:
             reason = str(error)
         if not self._stopped.is_set():
             self.ended.emit(reason)
