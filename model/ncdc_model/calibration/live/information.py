@@ -19,7 +19,7 @@ gain is 1 - u' / u.
 import numpy as np
 
 from ncdc_model.calibration.smooth_problem import SPREAD
-from ncdc_model.calibration.smooth_vector import FLAWS, LENS, project, unpack
+from ncdc_model.calibration.smooth_vector import FLAWS, LENS, lens_of, project
 
 __all__ = ["Information"]
 
@@ -82,11 +82,11 @@ class Information:
     def _by_lens(self, rays):
         """Derivatives (n, 2, free) of the pixels of ``rays`` (n, 3) by the lens."""
         step = _PROBE * self._usual[:-1]
-        moves = np.zeros((len(_FREE), LENS + 6))
+        moves = np.zeros((len(_FREE), LENS))
         moves[np.arange(len(_FREE)), _FREE] = step
-        start = self.fit.vector[:LENS + 6]
-        ends = [np.stack(project(unpack(start + sign * moves)[0], *rays.T), axis=-1)
-                for sign in (1, -1)]
+        start = self.fit.vector[:LENS]
+        ends = [np.stack([np.stack(project(lens_of(start + sign * move), *rays.T), axis=-1)
+                          for move in moves]) for sign in (1, -1)]
         return np.moveaxis((ends[0] - ends[1]) / (2 * step[:, None, None]), 0, -1)
 
     def _map_derivatives(self):
