@@ -76,7 +76,7 @@ def _sent(light, exposure, bayer, seed):
 
 
 def _noise(shape, seed):
-    """Normal noise of variance 1: a part of one field, whose place depends on the seed.
+    """Normal noise of variance 1: a part of one field, whose position depends on the seed.
 
     A field of its own for each frame would take half of the time of a picture.
     """
