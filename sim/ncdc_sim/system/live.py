@@ -111,7 +111,8 @@ class LiveSystem:
                              build_options(run.waves, run.simulator))
         settings = memory_settings(memory, self.width, self.readers) | {
             "memory_bytes": memory_bytes, "seed": run.seed,
-            "sink_probability": run.sink_probability, **vars(run.clocks)}
+            "sink_probability": run.sink_probability, **vars(run.clocks),
+            "csi2_lane_hz": 8 * 10**12 // run.clocks.lane_period}
         plusargs = [*(f"+{key}={value}" for key, value in settings.items()),
                     *light.plusargs("sensor.bin"), *(run.fault.plusargs() if run.fault else []),
                     *run.more]
