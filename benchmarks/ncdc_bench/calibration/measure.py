@@ -18,6 +18,7 @@ __all__ = ["ROOT", "rows"]
 
 ROOT = Path(__file__).resolve().parents[3]
 _NEURONS = 8
+_STEP = 24              # pixels between those on which map and truth are compared
 _FOLDERS = ".", "benchmarks", "model", "host", "sim", "soc", "boards"       # of packages
 _RUN = "import sys; from ncdc.cli import main; sys.exit(main())"
 
@@ -100,7 +101,7 @@ def _of_map(path, photos):
     """Errors of a descriptor's map from the true lens."""
     truth = np.load(photos[0].with_suffix(".npz"))
     lens = _TrueLens(float(truth["focal"]), tuple(truth["middle"]))
-    rms, worst = true_errors(lens, Descriptor.load(path))
+    rms, worst = true_errors(lens, Descriptor.load(path), _STEP)
     return {"true_rms_px": rms, "true_max_px": worst}
 
 
