@@ -122,9 +122,9 @@ def _photo(args, material, warnings):
         return args.photo, names.index(name) if name in names else None
     for number, name in enumerate(names):
         folder = material.source.parent
-        for parent in (folder, folder / f"{material.source.stem}.photos", Path()):
-            if name and (parent / name).is_file():
-                return str(parent / name), number
+        for candidate in (folder, folder / f"{material.source.stem}.photos", Path()):
+            if name and (candidate / name).is_file():
+                return str(candidate / name), number
     warnings.append("no photo of the calibration is found: --photo names one, without which there "
                     "is no picture before and after")
     return None, None

@@ -19,7 +19,7 @@ def lens_rows(camera, frame=None):
     Parameters
     ----------
     camera : Camera or CameraMap
-        Only the first has flaws.
+        Flaws are reported of the first only.
     frame : IdealFrame, optional
         The points to which it was fitted: for the roll, and for what no smooth lens explains.
     """
@@ -71,8 +71,8 @@ def _distortion(camera):
     a, b = camera.undistort(x, np.full(2, centre[1]))
     share = 100 * float(np.mean(np.abs(x - centre[0]) / (focal * np.hypot(a, b)) - 1))
     if not np.isfinite(share):
-        return ("Distortion", "fisheye", "the edges lie 90° or more off the axis: a flat "
-                "picture cannot show them")
+        return ("Distortion", "fisheye", "the edges lie 90° or more off the axis: they have no "
+                "position in a flat picture")
     kind = "barrel" if share < 0 else "pincushion"
     return ("Distortion", f"{share:+.1f} %", f"{kind}: at the left and right edges the picture is "
             f"{abs(share):.1f} % {'nearer to' if share < 0 else 'farther from'} the axis than "

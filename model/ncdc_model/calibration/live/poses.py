@@ -83,8 +83,8 @@ def plane_of(camera, index, xy):
 def wishes(information, index, distance):
     """The poses of a target of points ``index`` (n, 2) that would help, the best first.
 
-    They are nine parts of the picture and five tilts, at a ``distance`` in steps. A pose of which
-    fewer than 12 points would be seen is left out.
+    They are nine positions in the picture and five tilts, at a ``distance`` in steps. A pose of
+    which fewer than 12 points would be seen is left out.
 
     Returns
     -------
@@ -98,12 +98,12 @@ def wishes(information, index, distance):
             direction = camera.ray(np.float64(x * width), np.float64(y * height))
             if not np.isfinite(direction).all():
                 continue
-            part = " ".join(filter(None, (level, side))) or "middle"
+            position = " ".join(filter(None, (level, side))) or "middle"
             for how, (right, down) in _TILTS.items():
                 plane = _plane(distance * direction, middle, right * _TILT, down * _TILT)
                 seen = _inside(camera, plane, index)
                 if seen.sum() >= MIN_POINTS:
-                    found.append(Wish(f"{part} of the picture, {how}",
+                    found.append(Wish(f"{position} of the picture, {how}",
                                       information.gain(plane, index[seen]),
                                       _outline(camera, plane, index)))
     return sorted(found, key=lambda wish: -wish.gain)
