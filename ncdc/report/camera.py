@@ -57,22 +57,23 @@ def lens_section(camera, frame=None):
 
 def accuracy_section(descriptor, camera, frame=None):
     """Error tables and maps; those of points and lines if the ``frame`` of training is known."""
-    errors = descriptor.errors
-    rows = [("measured on", "mean px", "max px"),
-            *((name.replace("_", " "), *(f"{part['map_error_fixed_px'][key]:.4f}"
-                                         for key in ("mean", "max")))
-              for name, part in errors.items()
-              if isinstance(part, dict) and "map_error_fixed_px" in part)]
+    errors = {name.replace("_", " "): part["map_error_fixed_px"]
+              for name, part in descriptor.errors.items()
+              if isinstance(part, dict) and "map_error_fixed_px" in part}
     text = "Distances in pixels of the photo, of the integer network that the hardware computes."
     pictures = []
     if frame is not None:
         text += " " + _straight(descriptor, frame)
         pictures.append(_point_errors(descriptor, frame))
-    maps = {}
-    evaluate_frame(descriptor, fitted_view(descriptor, camera), maps)
-    pictures.append(embedded_plot(plot_error_map, maps["fixed"],
-                                  "integer network and " + ("lens of the file" if frame is None
-                                                            else "smooth lens of the points")))
+    maps, lens = {}, "lens of the file" if frame is None else "smooth lens of the points"
+    report = evaluate_frame(descriptor, fitted_view(descriptor, camera), maps)
+    errors[f"every pixel, from the {lens}"] = report["map_error_fixed_px"]
+    pictures.append(embedded_plot(plot_error_map, maps["fixed"], f"integer network and {lens}"))
+    if frame is not None:
+        text += (" The smooth lens has none of the lens's unevenness: the distance from it holds "
+                 "what the network has learnt of that.")
+    rows = [("measured on", "mean px", "max px"),
+            *((name, f"{each['mean']:.4f}", f"{each['max']:.4f}") for name, each in errors.items())]
     return {"title": "Accuracy", "text": text, "rows": rows, "pictures": pictures}
 
 
