@@ -10,7 +10,7 @@
 
 #define SLICES 2                /* of the hidden outputs, at most */
 #define TINY 1e-14              /* of the diagonal: a smaller pivot is a rounding error */
-#define MAX_DAMPED 1e10
+#define MAX_DAMPING 1e10
 #define MAX_GROWTH 64.
 #define ALIGNED 64              /* bytes */
 
@@ -114,7 +114,7 @@ static void forward(double *work, int rows, int pitch, int count, double *pivots
     }
 }
 
-/* Solutions (size, right) of matrix (size, size) for result (size, right), which they replace. */
+/* Solutions (size, right) of matrix (size, size) for result (size, right), and overwrites it. */
 static void solve(const double *matrix, int size, int right, double *result, double *work)
 {
     const int pitch = size + right;
@@ -345,7 +345,7 @@ static void one_network(const struct points *p, int steps, double *theta, double
         const double gain = (s[0].cost - s[1].cost) / fmax(fabs(expected), 1e-300);
         moved = s[1].cost < s[0].cost;
         /* Once the damping and its growth are at their limits, a step that failed fails again. */
-        stuck = !moved && *damping == MAX_DAMPED && *growth == MAX_GROWTH;
+        stuck = !moved && *damping == MAX_DAMPING && *growth == MAX_GROWTH;
         /* Nielsen's rule: shrink by the quality of the quadratic model, grow progressively. */
         if (moved) {
             const double off = 2 * gain - 1, shrink = 1 - off * off * off;
@@ -359,7 +359,7 @@ static void one_network(const struct points *p, int steps, double *theta, double
             *damping *= *growth;
             *growth = fmin(*growth * 2, MAX_GROWTH);
         }
-        *damping = fmin(fmax(*damping, 1e-10), MAX_DAMPED);
+        *damping = fmin(fmax(*damping, 1e-10), MAX_DAMPING);
         costs[step * pitch] = s[0].cost;
     }
     memcpy(output, s[0].output, 2 * terms * sizeof(double));
