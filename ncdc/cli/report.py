@@ -39,7 +39,7 @@ def add_arguments(parser) -> None:
     parser.add_argument("--calibration", metavar="FILE",
                         help="points or camera file that it was trained on (default: the file of "
                              "its name next to NET)")
-    parser.add_argument("--photo", metavar="FILE",
+    parser.add_argument("--photo", metavar="IMAGE",
                         help="photo by this camera, raw or in colour (default: the first of the "
                              "points, next to them or in the folder of a live calibration)")
     add_json(parser)

@@ -23,7 +23,7 @@ def test_tanh_is_that_of_double_precision():
 def test_total_adds_halves():
     values = np.random.default_rng(2).normal(size=(3, 37))
     np.testing.assert_allclose(exact.total(values), values.sum(1), rtol=1e-12)
-    a, b, c = .1, .2, .3
+    a, b, c = 1e16, 1., -1e16
     assert exact.total(np.array([a, b, c])) == (a + c) + b != a + b + c
 
 

@@ -219,4 +219,4 @@ def test_cameras_that_are_not_supported(options, message):
 def test_cameras_that_are_supported():
     assert camera_port("csi2:4") == CameraPort("csi2", 4)
     assert camera_port("avalon-st:vip", 2, 8) == CameraPort("avalon-st:vip", 2, 8)
-    assert camera_port("csi2:4").option == "csi2:4"
+    assert camera_port("csi2:4").options == ["--camera csi2:4"]

@@ -87,9 +87,12 @@ def fit_smooth(size, photos, near=None, rough=False):
     InputError
         If a photo has fewer than 12 points or no lens explains the points.
     """
-    for index, _ in photos:
+    for index, xy in photos:
         if len(index) < MIN_POINTS:
             raise InputError(f"a photo has {len(index)} points, at least {MIN_POINTS} are needed")
+        if np.ptp(xy, axis=0).max() < 1:
+            raise InputError("no smooth lens explains the points: all of a photo are within one "
+                             "pixel")
     problem = Problem(size, photos)
     start, prior, flawed = ((near.vector, near.prior, near.flawed) if near else
                             problem.part().searched())

@@ -67,5 +67,6 @@ def full_packets(block, data, payload):
     packets[:, :_HEADER.size] = np.frombuffer(header(block, PAYLOAD, 0), np.uint8)
     numbers = np.arange(1, count + 1, dtype=">u4").view(np.uint8).reshape(count, 4)
     packets[:, _HEADER.size - 3:_HEADER.size] = numbers[:, 1:]
-    packets[:, _HEADER.size:] = np.frombuffer(data, np.uint8, count * payload).reshape(count, -1)
+    packets[:, _HEADER.size:] = np.frombuffer(data, np.uint8, count * payload).reshape(
+        count, payload)
     return packets
