@@ -52,9 +52,10 @@ def rows(folder, names=tuple(SETS), reference=None, progress=lambda name: None):
         progress(f"{name}: photos")
         photos = rendered(name, folder)
         found = {}
-        for root in filter(None, (reference, ROOT)):
+        for label, root in (("reference_", reference), ("", ROOT)):
+            if root is None:
+                continue
             progress(f"{name}: {root.name}")
-            label = "reference_" if root == reference else ""
             points, net = (folder / f"{label}{file}" for file in ("points.json", "net.toml"))
             calibrate = {"seconds": _seconds(root, "calibrate", *photos, "--target",
                                              SETS[name].target, "-o", points)}
