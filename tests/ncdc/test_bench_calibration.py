@@ -26,7 +26,7 @@ def test_both_versions_are_measured_on_the_same_photos(small, tmp_path, capsys):
                  "--json", str(report)]) == 0
     calibrate, train = json.loads(report.read_text())["rows"]
     assert (calibrate["command"], train["command"]) == ("calibrate", "train")
-    assert calibrate["points"] == 40 == calibrate["reference_points"]
+    assert 30 < calibrate["points"] == calibrate["reference_points"] <= 40
     for row, error, limit in ((calibrate, "points_rms_px", .1), (train, "true_rms_px", 1)):
         assert 0 < row[error] == row[f"reference_{error}"] < limit
         assert row["ratio"] == row["seconds"] / row["reference_seconds"]
