@@ -1,4 +1,4 @@
-"""A rendered camera in front of which somebody moves a target, with its true lens."""
+"""A rendered camera before which a target moves, with its true lens."""
 
 from dataclasses import dataclass
 from pathlib import Path
