@@ -4,10 +4,11 @@ import numpy as np
 
 from lenses import lens
 from ncdc_model.calibration.points import PhotoPoints, TargetPoints
-from ncdc_model.golden.valid import valid_rows
+from ncdc_model.golden.valid import connected
 from ncdc_model.lens import rotation
 from ncdc_model.training.source import load_source
 from ncdc_spec.descriptor import Descriptor, FloatNetwork
+from ncdc_spec.geometry import ValidRows
 
 __all__ = ["SIZE", "quick_descriptor", "save_points"]
 
@@ -48,4 +49,4 @@ def quick_descriptor(points, **about):
     source = load_source(points)
     return Descriptor.quantise(
         _quick_network(source.pairs, source.geometry), source.geometry,
-        valid_rows(source.smooth_map, source.geometry), provenance=source.provenance, **about)
+        ValidRows.of_mask(connected(source.smooth.unfolded)), provenance=source.provenance, **about)
