@@ -45,7 +45,8 @@ def change_film(source, target, size, change, warn, progress=lambda fraction: No
     size : (int, int)
         Width and height of the changed pictures.
     change : callable
-        Gives a picture, uint8 RGB (height, width, 3), for one of the source's size.
+        Gives a picture, uint8 RGB (height, width, 3), for one of the source's size and the seconds
+        since the film began.
     warn : callable
         Called with a sentence on what is left out.
     progress : callable
@@ -74,7 +75,8 @@ def change_film(source, target, size, change, warn, progress=lambda fraction: No
                         out.container.mux(packet)
                     continue
                 for frame in packet.decode():
-                    out.write(change(frame.to_ndarray(format="rgb24")), like=frame)
+                    picture = frame.to_ndarray(format="rgb24")
+                    out.write(change(picture, float(frame.time or 0.0)), like=frame)
                     count += 1
                     if total:
                         progress(min(count / total, 1))

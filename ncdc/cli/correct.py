@@ -13,6 +13,7 @@ from ncdc.cli.sequence import (
     correct_stream,
     listed,
 )
+from ncdc.cli.view import add_stabilisation, add_view, check_no_view
 from ncdc.terminal import Progress, percent, say
 from ncdc_model.correction import MODELS, coloured, correct, default_model
 from ncdc_model.images import check_suffix, is_film, write_image
@@ -51,6 +52,8 @@ def add_arguments(parser) -> None:
                       help="of a camera of this PC (default: until Ctrl-C)")
     film.add_argument("--fps", type=float, default=30.0, metavar="F",
                       help="frames per second of raw frames on standard input (default: 30)")
+    add_view(parser.add_argument_group("view"))
+    add_stabilisation(parser.add_argument_group("stabilisation of a film"))
     add_colour(parser.add_argument_group("colour"))
     add_samples(parser.add_argument_group("samples of the file"))
     add_json(parser)
@@ -76,6 +79,7 @@ def run(args) -> None:
 
 def _correct_one(args, path):
     check_suffix(args.output)
+    check_no_view(args)
     choice = colour_choice(args)
     descriptor = Descriptor.load(args.descriptor)
     raw, note = raw_frame(path, descriptor.geometry, args.raw, args.bits)

@@ -13,6 +13,7 @@ import numpy as np
 
 from ncdc.cli.colour import colour_choice, colour_line, colour_report
 from ncdc.cli.common import raw_frame, write_report
+from ncdc.cli.view import check_no_view, view_of
 from ncdc.terminal import Progress, Steps, say
 from ncdc_model.correction import coloured, correct, correction_of, default_model
 from ncdc_model.images import FILMS, is_film, mosaic, write_image
@@ -63,8 +64,14 @@ class _Sequence:
     def __init__(self, args):
         self.args, self._choice = args, colour_choice(args)
         self.descriptor = Descriptor.load(args.descriptor)
+        self.view = view_of(args, self.descriptor)
         self.model = args.model or default_model(say)
         self.colour, self.count, self._begin = None, 0, time.monotonic()
+
+    @property
+    def size(self):
+        """Width and height of the corrected pictures."""
+        return self.view.size if self.view else self.descriptor.geometry.corrected
 
     @property
     def rate(self):
@@ -88,12 +95,13 @@ class _Sequence:
     def report(self, how, show=print):
         """Write the report; ``how``: keys and values on how the pictures were made."""
         report = {"hidden_neurons": self.descriptor.hidden_neurons, "pictures": self.count,
-                  "frames_per_second": self.rate, **how}
+                  "frames_per_second": self.rate, **how,
+                  **(self.view.report if self.view else {})}
         if self.colour:
             report |= colour_report(self.args, self.colour)
         if not write_report(report, self.args.json):
             show(f"{self.args.output}: {self.count} pictures, "
-                 f"{'x'.join(map(str, self.descriptor.geometry.corrected))} pixels, "
+                 f"{'x'.join(map(str, self.size))} pixels, "
                  f"{self.rate:.1f} frames per second")
             if self.colour:
                 show(colour_line(self.args, self.colour))
@@ -101,6 +109,7 @@ class _Sequence:
 
 def correct_files(args, paths):
     """Correct picture files into the folder ``args.output``, each as PNG of its own name."""
+    check_no_view(args)
     folder = Path(args.output)
     targets = [folder / f"{Path(path).stem}.png" for path in paths]
     for path, target in zip(paths, targets):
@@ -125,22 +134,23 @@ def correct_film(args, path):
     """Correct the film ``path``, in its colours or as raw frames."""
     from ncdc_model.film import change_film
     sequence, changed = _film_change(args, path)
-    change_film(path, args.output, sequence.descriptor.geometry.corrected, changed, say,
-                Progress("correcting"))
+    change_film(path, args.output, sequence.size, changed, say, Progress("correcting"))
     _report_film(args, sequence)
 
 
 def correct_camera(args, name):
     """Correct what a camera of the PC sends into a film, for ``args.frames`` or until Ctrl-C."""
     from ncdc_model.film import writing_film
+    if args.gyro is not None:
+        raise InputError(f"{name} is a camera, --gyro needs a film")
     if args.frames is not None and args.frames < 1:
         raise InputError(f"--frames is {args.frames}, 1 is the limit")
     sequence, changed = _film_change(args, name)
-    shown, size = Steps("correcting", quiet=True), sequence.descriptor.geometry.corrected
+    shown, size = Steps("correcting", quiet=True), sequence.size
     with opened_camera(name) as camera, writing_film(args.output, size, _rate(camera.rate)) as film:
         try:
             while args.frames is None or sequence.count < args.frames:
-                film.write(changed(camera.read()))
+                film.write(changed(camera.read(), 0.0))
                 shown(f"{sequence.count} frames, {sequence.rate:.1f} per second")
         except KeyboardInterrupt:
             if not sequence.count:
@@ -149,7 +159,10 @@ def correct_camera(args, name):
 
 
 def _film_change(args, name):
-    """:class:`_Sequence`, and the function that corrects an RGB picture of a film or a camera."""
+    """:class:`_Sequence`, and the function that corrects an RGB picture of a film or a camera.
+
+    The function takes the picture, and the seconds since the film began.
+    """
     if not is_film(args.output):
         what = "a camera, whose pictures become a film" if is_pc_camera(name) else "a film"
         raise InputError(f"{name} is {what}, {args.output} is none: films are written as one of "
@@ -159,14 +172,19 @@ def _film_change(args, name):
                          f"--crest, --white-balance and --tone need --film {_MOSAIC}")
     sequence = _Sequence(args)
     geometry = sequence.descriptor.geometry
-    change = (sequence.picture if args.film == _MOSAIC else
-              _remapping(sequence, _KERNELS[args.film]))
+    if args.film == _MOSAIC:
+        check_no_view(args)
 
-    def changed(picture):
+        def change(picture, seconds):
+            return sequence.picture(mosaic(picture, geometry.bayer))
+    else:
+        change = _remapping(sequence, _KERNELS[args.film])
+
+    def changed(picture, seconds):
         if picture.shape[1::-1] != geometry.distorted:
             raise InputError("{} has {}x{} pixels, the descriptor is for {}x{}".format(
                 name, *picture.shape[1::-1], *geometry.distorted))
-        return change(mosaic(picture, geometry.bayer) if args.film == _MOSAIC else picture)
+        return change(picture, seconds)
     say(f"{name}: its pictures are " + (
         f"mosaiced as {geometry.bayer} and corrected as the hardware does" if args.film == _MOSAIC
         else f"remapped in their colours ({args.film}), not by the hardware's arithmetic"))
@@ -179,21 +197,28 @@ def _report_film(args, sequence):
 
 
 def _remapping(sequence, kernel):
-    """Function that remaps pictures of finished colours by the map of a descriptor."""
-    geometry = sequence.descriptor.geometry
-    map_x, map_y = remap_tables(sequence.descriptor)
-    blank = correction_of(sequence.descriptor, sequence.model).blank.view(np.uint8)
-    fill = np.full((*blank.shape, 3), geometry.fill, np.uint8)
+    """Function that remaps pictures of finished colours by the map of a descriptor or a view."""
+    if sequence.view:
+        maps = sequence.view.maps
+    else:
+        still = (*remap_tables(sequence.descriptor),
+                 correction_of(sequence.descriptor, sequence.model).blank)
 
-    def remapped(picture):
+        def maps(seconds):
+            return still
+    fill = np.full((*sequence.size[::-1], 3), sequence.descriptor.geometry.fill, np.uint8)
+
+    def remapped(picture, seconds):
         sequence.count += 1
+        map_x, map_y, blank = maps(seconds)
         found = cv2.remap(picture, map_x, map_y, kernel, borderMode=cv2.BORDER_REPLICATE)
-        return cv2.copyTo(fill, blank, found)
+        return cv2.copyTo(fill, blank.view(np.uint8), found)
     return remapped
 
 
 def correct_stream(args):
     """Correct raw frames on standard input into a film, or into bare RGB on standard output."""
+    check_no_view(args)
     if args.raw is None:
         raise InputError("raw frames on standard input need --raw, as in --raw 1280x1024:RGGB:8")
     if args.output == "-" == args.json:

@@ -1,0 +1,133 @@
+"""Matrices of views: the trained picture seen by a pinhole camera that looks elsewhere.
+
+Axes of both cameras: x to the right, y down, z forward. A view turned by ``rotation`` has the axes
+that are the columns of that matrix, in the axes of the trained camera.
+
+========= ======================================================================================
+positive  the view
+========= ======================================================================================
+pan       looks to the right
+tilt      looks up
+roll      is turned clockwise about its own axis, so that its picture turns counter-clockwise
+zoom > 1  shows a smaller part, larger
+========= ======================================================================================
+
+Pan is about the vertical axis, then tilt about the camera's own horizontal one, then roll: as a
+head on a tripod.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ncdc_spec.errors import InputError
+
+__all__ = ["Angles", "LIMITS", "PlaneCamera", "has_plane", "view_matrix"]
+
+LIMITS = {"pan": (-90.0, 90.0), "tilt": (-90.0, 90.0), "roll": (-180.0, 180.0),
+          "zoom": (0.25, 8.0)}
+"""Lowest and highest value of each number of :class:`Angles`; degrees but for the zoom."""
+
+
+@dataclass(frozen=True)
+class Angles:
+    """Pan, tilt and roll in degrees, and the zoom, a factor; by default the trained picture.
+
+    Raises
+    ------
+    InputError
+        If a value is outside :data:`LIMITS`.
+    """
+    pan: float = 0.0
+    tilt: float = 0.0
+    roll: float = 0.0
+    zoom: float = 1.0
+
+    def __post_init__(self):
+        for name, (low, high) in LIMITS.items():
+            if not low <= getattr(self, name) <= high:
+                raise InputError(f"{name} is {getattr(self, name):g}, the limits are {low:g} and "
+                                 f"{high:g}")
+
+    @property
+    def rotation(self):
+        """3x3 rotation from the axes of the view to those of the trained camera."""
+        (cp, ct, cr), (sp, st, sr) = (turn(np.radians([self.pan, self.tilt, self.roll]))
+                                      for turn in (np.cos, np.sin))
+        about_y = np.array([[cp, 0, sp], [0, 1, 0], [-sp, 0, cp]])
+        about_x = np.array([[1, 0, 0], [0, ct, -st], [0, st, ct]])
+        about_z = np.array([[cr, -sr, 0], [sr, cr, 0], [0, 0, 1]])
+        return about_y @ about_x @ about_z
+
+
+@dataclass(frozen=True)
+class PlaneCamera:
+    """The pinhole camera of a picture without distortion.
+
+    Parameters
+    ----------
+    size : (int, int)
+        Width and height in pixels.
+    focal : float
+        Focal length in pixels along a row.
+    centre : (float, float)
+        Pixel of the camera's axis.
+    aspect : float
+        Focal length along a column over the one along a row.
+    """
+    size: tuple
+    focal: float
+    centre: tuple
+    aspect: float = 1.0
+
+    @classmethod
+    def of(cls, descriptor):
+        """The camera of the corrected picture that a ``descriptor`` was trained for.
+
+        Raises
+        ------
+        InputError
+            If the descriptor does not state it, as one trained from a remap table.
+        """
+        if not has_plane(descriptor):
+            raise InputError("the descriptor does not state the focal length of its picture "
+                             "(provenance.frame), which a view needs: train it from points or "
+                             "from a camera file")
+        focal, *centre, aspect = [*descriptor.provenance["frame"], 1.0][:4]
+        return cls(descriptor.geometry.corrected, focal, tuple(centre), aspect)
+
+    @property
+    def matrix(self):
+        """3x3 matrix from a direction (x, y, z) to the pixel (u, v, 1), but for its depth z."""
+        return np.array([[self.focal, 0, self.centre[0]],
+                         [0, self.focal * self.aspect, self.centre[1]], [0, 0, 1]])
+
+    def view(self, size=None, zoom=1.0):
+        """The camera of a view of ``size`` pixels, by default the same.
+
+        At zoom 1 its row shows as much as a row of this picture. The zoom is about the axis.
+        """
+        width, height = size = tuple(size or self.size)
+        scale = width / self.size[0]
+        middle = np.array([width - 1, height - 1]) / 2
+        centre = middle + scale * (np.array(self.centre) - (np.array(self.size) - 1) / 2)
+        return PlaneCamera(size, zoom * scale * self.focal, tuple(centre.tolist()), self.aspect)
+
+
+def has_plane(descriptor):
+    """Whether the descriptor states the camera of its corrected picture."""
+    return len(descriptor.provenance.get("frame", ())) >= 3
+
+
+def view_matrix(trained, view, rotation):
+    """Matrix (..., 3, 3) from pixels (u, v, 1) of a view to those of the trained picture.
+
+    The third element of the product is the depth: what is not positive is behind the camera.
+
+    Parameters
+    ----------
+    trained, view : PlaneCamera
+    rotation : ndarray, shape (..., 3, 3)
+        From the axes of the view to those of the trained camera.
+    """
+    return trained.matrix @ rotation @ np.linalg.inv(view.matrix)

@@ -1,0 +1,114 @@
+"""``ncdc correct``: views, and films of a shaking camera."""
+
+import json
+from fractions import Fraction
+
+import cv2
+import numpy as np
+import pytest
+
+from ncdc.cli import main
+from ncdc_model.view_map import view_map
+from ncdc_spec.view_matrix import Angles, PlaneCamera, view_matrix
+from views import SIZE, seen_lens
+
+COUNT = 4
+HEAD = "time_s,x_rad_s,y_rad_s,z_rad_s"
+
+
+@pytest.fixture(scope="module")
+def lens():
+    return seen_lens(fill=(9, 80, 7))
+
+
+def scene():
+    v, u = np.indices(SIZE[::-1])
+    return np.stack([128 + 100 * np.sin(u / 20), 128 + 100 * np.cos(v / 15), 255 - u],
+                    axis=-1).astype(np.uint8)
+
+
+@pytest.fixture
+def film(lens, tmp_path, monkeypatch):
+    """The working folder, with a descriptor and ``clip.mp4``; PyAV."""
+    av = pytest.importorskip("av")
+    from ncdc_model.film import writing_film
+    monkeypatch.chdir(tmp_path)
+    lens.save("net.toml")
+    with writing_film("clip.mp4", SIZE, Fraction(25)) as out:
+        for _ in range(COUNT):
+            out.write(scene())
+    return av
+
+
+def pictures(av, path):
+    with av.open(path) as opened:
+        return [frame.to_ndarray(format="rgb24") for frame in opened.decode(video=0)]
+
+
+def expected(av, lens, size, **angles):
+    """The film's picture in a view, and pixels away from the edge of the fill."""
+    trained, angles = PlaneCamera.of(lens), Angles(**angles)
+    *maps, blank = view_map(lens, size, view_matrix(trained, trained.view(size, angles.zoom),
+                                                    angles.rotation))
+    picture = cv2.remap(pictures(av, "clip.mp4")[0], *maps, cv2.INTER_LINEAR,
+                        borderMode=cv2.BORDER_REPLICATE)
+    picture[blank] = lens.geometry.fill
+    return picture, cv2.erode((~blank).astype(np.uint8), np.ones((9, 9))) > 0
+
+
+def test_a_view_of_a_film(film, lens):
+    assert main(["correct", "net.toml", "clip.mp4", "-o", "view.mp4", "--pan", "-12", "--tilt",
+                 "4", "--roll", "8", "--zoom", "1.3", "--view-size", "72x40", "--json",
+                 "report.json"]) == 0
+    made = pictures(film, "view.mp4")
+    wanted, seen = expected(film, lens, (72, 40), pan=-12, tilt=4, roll=8, zoom=1.3)
+    assert seen.mean() > .5
+    for picture in made:
+        assert np.abs(picture.astype(int) - wanted)[seen].mean() < 4    # the film's code
+    report = json.loads(open("report.json").read())
+    assert report["pictures"] == COUNT == len(made)
+    assert report["view"] == {"pan": -12, "tilt": 4, "roll": 8, "zoom": 1.3, "width": 72,
+                              "height": 40, "stabilised": False}
+
+
+def test_a_film_of_a_camera_that_pans(film, lens):
+    """The gyroscope's second axis, turned about, is the camera's; without smoothing no turn is
+    undone, with much of it all but the mean is."""
+    rate = np.radians(100)
+    rows = [f"{t:.3f},{-rate:.9f},0,0" for t in np.arange(-.1, .4, .005)]
+    (path := "gyro.csv") and open(path, "w").write("\n".join([HEAD, *rows]))
+    options = ["--gyro", path, "--gyro-axes", "y,-x,z", "--gyro-offset", "0.02"]
+    assert main(["correct", "net.toml", "clip.mp4", "-o", "held.mp4", *options, "--smooth",
+                 "100"]) == 0
+    assert main(["correct", "net.toml", "clip.mp4", "-o", "free.mp4", *options, "--smooth",
+                 "0"]) == 0
+    middle = (-.1 + .395) / 2
+    for k, (held, free) in enumerate(zip(pictures(film, "held.mp4"), pictures(film, "free.mp4"))):
+        for picture, pan in ((held, np.degrees(rate) * (middle - .02 - k / 25)), (free, 0)):
+            wanted, seen = expected(film, lens, SIZE, pan=pan)
+            assert seen.mean() > .3
+            assert np.abs(picture.astype(int) - wanted)[seen].mean() < 4, (k, pan)
+
+
+@pytest.mark.parametrize("options,message", [
+    (["--pan", "91"], "pan is 91, the limits are -90 and 90"),
+    (["--zoom", "0"], "zoom is 0, the limits are 0.25 and 8"),
+    (["--view-size", "5000x4"], "the view's size is '5000x4'"),
+    (["--view-size", "big"], "the view's size is 'big'"),
+    (["--smooth", "2"], "--smooth is given, it needs --gyro"),
+    (["--gyro", "none.csv"], "cannot read none.csv"),
+    (["--gyro", "still.csv", "--readout-ms", "300"], "the readout is 0.3 s, the limits are 0 and"),
+    (["--gyro", "still.csv", "--gyro-offset", "3"], "samples are from 0 s to 1 s")])
+def test_bad_options(film, capsys, options, message):
+    open("still.csv", "w").write("\n".join([HEAD, *(f"{k / 20},0,0,0" for k in range(21))]))
+    open("view.mp4", "w").write("kept")
+    assert main(["correct", "net.toml", "clip.mp4", "-o", "view.mp4", *options]) == 2
+    assert message in capsys.readouterr().err
+    assert open("view.mp4").read() == "kept"
+
+
+def test_a_view_needs_a_focal_length(film, capsys):
+    from cameras import barrel_descriptor
+    barrel_descriptor(SIZE, SIZE).save("net.toml")
+    assert main(["correct", "net.toml", "clip.mp4", "-o", "view.mp4", "--pan", "1"]) == 2
+    assert "does not state the focal length" in capsys.readouterr().err
