@@ -63,6 +63,9 @@ class Hardware:
     raw_balance : bool
         Whether there are gains of the colours before interpolation, of raw samples as the tile
         cache is filled, which after configuration change no pixel.
+    view : bool
+        Whether there are registers for the matrix of a :class:`~ncdc_spec.view.View`, which after
+        configuration changes no pixel. The network must be at nodes.
     format : str
         Name of the ``OutputFormat`` of pixels in memory, after configuration.
     bus : str
@@ -90,6 +93,7 @@ class Hardware:
     lanes: int = 1
     colour: bool = False
     raw_balance: bool = False
+    view: bool = False
     format: str = BGRX8.name
     bus: str = BUSES[0]
     video: str = VIDEOS[0]
@@ -241,6 +245,7 @@ class Hardware:
         InputError
             If the pixels per clock do not divide the corrected width, a tan-sigmoid is to serve
             more neurons than there are, hidden neurons at nodes are to follow the scan of pixels,
+            there is to be a view of a network at every pixel,
             the tile cache has no such split, the windows of the descriptor's interpolation
             cannot be fetched, or the format would lose the camera's colours.
         """
@@ -258,6 +263,9 @@ class Hardware:
         if self.hidden == "raster" and descriptor.nodes > 1:
             raise InputError(f"hidden is raster, a network at every {descriptor.nodes}th pixel "
                              f"needs multiply")
+        if self.view and descriptor.nodes == 1:
+            raise InputError("the network is evaluated at every pixel, a view needs nodes, which "
+                             "ncdc train --nodes 8, 16 or 32 gives")
         self.units(descriptor.hidden_neurons)
         self.split_for(geometry)
         return replace(self, cache=self.cache_for(geometry), share=self.share_for(descriptor))
@@ -270,7 +278,8 @@ class Hardware:
                 "data_width": self.data_width, "output": self.output, "hidden": self.hidden,
                 "share": self.share, "multiplier_bits": self.multiplier_bits,
                 "pixels_per_clock": self.lanes, "format": None if self.stream else self.format,
-                "colour": self.colour, "raw_balance": self.raw_balance, "bus": self.bus,
+                "colour": self.colour, "raw_balance": self.raw_balance, "view": self.view,
+                "bus": self.bus,
                 "video": self.video if self.stream else None}
 
     def options(self, geometry):
@@ -284,6 +293,7 @@ class Hardware:
                 *([] if self.stream else [f"--format {self.format}"]),
                 *(["--colour"] if self.colour else []),
                 *(["--raw-gains"] if self.raw_balance else []),
+                *(["--view"] if self.view else []),
                 *([f"--bus {self.bus}"] if self.axi else []),
                 *([f"--video {self.video}"] if self.video != VIDEOS[0] else [])]
 

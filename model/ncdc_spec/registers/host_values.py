@@ -13,6 +13,7 @@ from ncdc_spec.frames import (
 from ncdc_spec.hardware import Hardware
 from ncdc_spec.interpolation import check_crest
 from ncdc_spec.registers.register_map import BAYER_MONO, RAW_GAINS, TABLE, network_registers
+from ncdc_spec.view import View, view_values
 
 __all__ = ["address_values", "colour_values", "host_values", "network_values", "table_words"]
 
@@ -63,7 +64,7 @@ def colour_values(colour):
 
 
 def host_values(descriptor, hardware=Hardware(), addresses=None, follow=False, colour=Colour(),
-                neurons=None):
+                neurons=None, view=None):
     """Register values, by name, that a host writes to correct frames of ``descriptor``'s camera.
 
     Parameters
@@ -80,6 +81,8 @@ def host_values(descriptor, hardware=Hardware(), addresses=None, follow=False, c
         registers for them.
     neurons : int, optional
         As for :func:`network_values`.
+    view : View, optional
+        Where the hardware has one; the trained picture itself if absent.
 
     Raises
     ------
@@ -90,15 +93,17 @@ def host_values(descriptor, hardware=Hardware(), addresses=None, follow=False, c
     g, form = descriptor.geometry, output_format(hardware.format)
     check_format(form, g)
     check_crest(colour.crest, g.interpolation)
-    addresses = addresses or FrameAddresses.after_reset(g, hardware.data_width)
+    view = view or View.identity(g.corrected)
+    picture = view.geometry(g)
+    addresses = addresses or FrameAddresses.after_reset(picture, hardware.data_width)
     origin_x, step_x, origin_y, step_y = g.scan()
     red, green, blue = g.fill
     return {
         **network_values(descriptor, neurons),
         "VALID_BANK": 0,
-        **address_values(g, hardware.data_width, addresses, form), "SOURCE_PITCH": addresses.pitch,
+        **address_values(picture, hardware.data_width, addresses, form), "SOURCE_PITCH": addresses.pitch,
         "OUTPUT_FORMAT": form.code,
-        "CORRECTED_WIDTH": g.corrected_width, "CORRECTED_HEIGHT": g.corrected_height,
+        "CORRECTED_WIDTH": view.size[0], "CORRECTED_HEIGHT": view.size[1],
         "DISTORTED_WIDTH": g.distorted_width, "DISTORTED_HEIGHT": g.distorted_height,
         "SCAN_ORIGIN_X": origin_x, "SCAN_STEP_X": step_x,
         "SCAN_ORIGIN_Y": origin_y, "SCAN_STEP_Y": step_y,
@@ -108,6 +113,7 @@ def host_values(descriptor, hardware=Hardware(), addresses=None, follow=False, c
         "CREST": colour.crest,
         **(colour_values(colour) if hardware.colour else {}),
         **(dict(zip(RAW_GAINS, colour.raw_gains)) if hardware.raw_balance else {}),
+        **(view_values(view, g.corrected_height) if hardware.view else {}),
     }
 
 

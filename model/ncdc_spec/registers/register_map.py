@@ -6,6 +6,7 @@ from ncdc_spec.frames import ADDRESS_BITS, MONO8, OUTPUT_FORMATS
 from ncdc_spec.geometry import MAX_SIZE, MIN_SIZE, SCAN, STRIP_UNIT
 from ncdc_spec.interpolation import CRESTS, DIRECTIONAL, FAST, GRADIENT
 from ncdc_spec.tone import NODE_BITS, NODE_POSITIONS
+from ncdc_spec.view import FORMATS, NAMES, PLANE_HEIGHT, VIEW_REGISTERS
 from ncdc_spec.white_balance import GAIN_BITS
 
 __all__ = ["ADDRESS_WORDS_BITS", "BAYER_MONO", "Bits", "CAPABILITIES", "capabilities",
@@ -15,7 +16,7 @@ __all__ = ["ADDRESS_WORDS_BITS", "BAYER_MONO", "Bits", "CAPABILITIES", "capabili
            "INTERPOLATION_BITS", "network_registers", "NODES", "OUTSIDE_DIGEST", "RAW_GAINS",
            "Register", "registers", "SKIP", "STATUS_ABORTED", "STATUS_BANK",
            "STATUS_BUSY", "STATUS_COMMITTED", "STATUS_DONE", "STATUS_FAULT",
-           "STATUS_PENDING", "STATUS_REFUSED", "TABLE", "VERSION"]
+           "STATUS_PENDING", "STATUS_REFUSED", "TABLE", "VERSION", "VIEW_BIT"]
 
 ADDRESS_WORDS_BITS = 14
 TABLE = 1 << 13           # word address of the window on the table of valid rows
@@ -36,7 +37,7 @@ RAW_GAINS = ("RAW_GAIN_RED", "RAW_GAIN_GREEN", "RAW_GAIN_BLUE")
 # Registers of the set that do not depend on the lens: DIGEST does not include them.
 OUTSIDE_DIGEST = ("VALID_BANK", "SOURCE_BASE", "SOURCE_LIMIT", "SOURCE_PITCH", "TARGET_BASE",
                   "TARGET_LIMIT", "OUTPUT_FORMAT", "CREST", "FOLLOW", "CACHE_SPLIT", "STRIP_WIDTH",
-                  *COLOUR_SETTINGS, *RAW_GAINS)
+                  *COLOUR_SETTINGS, *RAW_GAINS, *VIEW_REGISTERS)
 
 CTRL_START, CTRL_COMMIT, CTRL_ABORT = 1, 2, 4
 STATUS_BUSY, STATUS_DONE, STATUS_PENDING = 1, 2, 4
@@ -46,6 +47,7 @@ CAPABILITIES = 0x25
 BAYER_MONO = 4            # of BAYER_PHASE
 # Of CAPABILITIES.
 INTERPOLATION_BITS = {FAST.name: 0x400, GRADIENT.name: 0x800, DIRECTIONAL.name: 0x200000}
+VIEW_BIT = 1 << 28
 FAULT_SOURCE, FAULT_TARGET, FAULT_ALIGNMENT, FAULT_SIZE, FAULT_FORMAT = 1, 2, 4, 8, 16
 FAULT_MEMORY = 32
 
@@ -268,7 +270,8 @@ _FIXED = (
                  "frames as they are read: `RAW_GAIN_RED` and so on"),
             Flag("CAPTURE_GAINS", 0x800000, "ro", "1: it has gains before interpolation, of "
                  "samples as the camera captures them: `CAPTURE_GAINS`"),
-            Flag("MAX_SPLIT", 0xF000000, "ro", "largest `CACHE_SPLIT`"), access="ro"),
+            Flag("MAX_SPLIT", 0xF000000, "ro", "largest `CACHE_SPLIT`"),
+            Flag("VIEW", VIEW_BIT, "ro", "1: it has a view: `VIEW_X_U` and so on"), access="ro"),
     _action("LARGEST", 0x26, "Largest corrected image that this instance makes.",
             Flag("WIDTH", 0x1FFF, "ro", "pixels per row"),
             Flag("HEIGHT", 0x1FFF0000, "ro", "rows"), access="ro"),
@@ -308,6 +311,16 @@ _RAW_GAINS = tuple(
              f"White balance before interpolation, of the raw frame as it is read: gain of its "
              f"{colour.lower()} samples in 256ths, 256 is 1.0. A grey sensor's have that of green.")
     for k, (name, colour) in enumerate(zip(RAW_GAINS, _COLOURS)))
+_VIEW, _HOMOGENEOUS = 0x70, (
+    "x of a pixel in the trained picture, times its depth",
+    "y of a pixel in the trained picture, times its depth", "depth of a pixel")
+_VIEWS = (
+    *(Register(NAMES[row][column], _VIEW + 3 * row + column, "shadow", Bits(q.width, signed=True),
+               f"View: {quantity}, {q}; " + ("that of the first pixel." if column == 2 else
+               f"its growth from {'column to column' if column == 0 else 'row to row'}."))
+      for row, quantity in enumerate(_HOMOGENEOUS) for column, q in enumerate(FORMATS[row])),
+    Register(PLANE_HEIGHT, _VIEW + 9, "shadow", _SIZE,
+             "View: rows of the trained picture, those of the table of valid rows."))
 _HIDDEN, _OUTPUT, _OUTPUT_BIAS, SKIP = 0x100, 0x200, 0x280, 0x284
 
 
@@ -344,9 +357,10 @@ def _numbered(name, text, j, address, q, parameter):
                     parameter=parameter, family=(name.format("j"), text.format("j")))
 
 
-def registers(hidden_neurons, formats, nodes=1, colour=False, raw_balance=False):
+def registers(hidden_neurons, formats, nodes=1, colour=False, raw_balance=False, view=False):
     """All registers of an instance, by ascending address."""
-    optional = (*(_COLOUR if colour else ()), *(_RAW_GAINS if raw_balance else ()))
+    optional = (*(_COLOUR if colour else ()), *(_RAW_GAINS if raw_balance else ()),
+                *(_VIEWS if view else ()))
     return (*_FIXED, *([_NODES] if nodes > 1 else []),
             *sorted(optional, key=lambda row: row.address),
             *network_registers(hidden_neurons, formats))
@@ -374,5 +388,6 @@ def capabilities(hardware, width, height, capture=False):
     return {"CAPABILITIES": VERSION | hardware.stream << 8 | hardware.cached << 9
             | INTERPOLATION_BITS[interpolation.name] | hardware.lanes << 12
             | hardware.colour << 15 | hardware.data_width // 8 << 16
-            | hardware.raw_balance << 22 | capture << 23 | split << 24,
+            | hardware.raw_balance << 22 | capture << 23 | split << 24
+            | (VIEW_BIT if hardware.view else 0),
             "LARGEST": width | height << 16}

@@ -1,0 +1,148 @@
+"""A view: a matrix from the pixels of a picture to the plane of the trained corrected picture."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ncdc_spec.errors import InputError
+from ncdc_spec.fixed import Q
+from ncdc_spec.geometry import MAX_SIZE, MIN_SIZE
+from ncdc_spec.nodes import AFTER, BEFORE, NODES
+
+__all__ = ["DEPTH_RANGE", "FORMATS", "NAMES", "PLANE_HEIGHT", "VIEW_REGISTERS", "View",
+           "view_values"]
+
+_POSITION, _POSITION_STEP = Q(15, 17), Q(5, 27)
+_DEPTH, _DEPTH_STEP = Q(2, 30), Q(-3, 35)
+
+FORMATS = ((_POSITION_STEP, _POSITION_STEP, _POSITION), (_POSITION_STEP, _POSITION_STEP, _POSITION),
+           (_DEPTH_STEP, _DEPTH_STEP, _DEPTH))
+"""Format of each element of a matrix: rows x, y and depth; columns u, v and 1."""
+
+NAMES = tuple(tuple(f"VIEW_{row}_{column}" for column in "UV0") for row in "XYZ")
+"""The register of each element of a matrix."""
+
+PLANE_HEIGHT = "PLANE_HEIGHT"
+"""The register of the trained picture's rows."""
+
+VIEW_REGISTERS = tuple(name for row in NAMES for name in row)
+"""Those registers in the order of :attr:`View.matrix`."""
+
+DEPTH_RANGE = 2.0**-7, 2.0
+"""A pixel has a source only if its depth is at least the first of these and below the second."""
+
+_MIN_DEPTH = 1 / 8      # largest depth of a view in its formats, at least: steps stay precise
+
+
+@dataclass(frozen=True)
+class View:
+    """The matrix of a view in the formats of its registers, and the size of its picture.
+
+    With the real matrix H, the pixel (u, v) of the view is at (x, y) of the trained picture,
+    in pixels::
+
+        (X, Y, Z) = H (u, v, 1)        x = X / Z        y = Y / Z
+
+    The depth Z is positive in front of the camera. A positive factor of all elements changes
+    nothing, so that fixed-point formats suffice: :meth:`of` chooses the factor.
+
+    Parameters
+    ----------
+    matrix : tuple of 9 int
+        Row by row, raw in :data:`FORMATS`.
+    size : (int, int)
+        Width and height of the view's picture in pixels.
+
+    Raises
+    ------
+    InputError
+        If an element does not fit its format, or the size is beyond 8..4096.
+    """
+    matrix: tuple
+    size: tuple
+
+    def __post_init__(self):
+        for name, value in zip(("width", "height"), self.size):
+            if not MIN_SIZE <= value <= MAX_SIZE:
+                raise InputError(f"the view's {name} is {value}, the limits are {MIN_SIZE} and "
+                                 f"{MAX_SIZE}")
+        if len(self.matrix) != 9:
+            raise InputError(f"the view's matrix has {len(self.matrix)} elements, 9 are needed")
+        for name, q, raw in zip(VIEW_REGISTERS, _flat_formats(), self.matrix):
+            if not q.holds(raw):
+                raise InputError(f"{name} is {raw}, the limits of {q} are {q.lo} and {q.hi}")
+
+    @classmethod
+    def identity(cls, size):
+        """The view that is the trained picture itself: the hardware gives the same bits."""
+        return cls.of(np.eye(3), size)
+
+    @classmethod
+    def of(cls, matrix, size):
+        """The view of a real ``matrix``, shape (3, 3), rounded to the formats of the registers.
+
+        All elements are multiplied by the largest power of two with which they fit, and with which
+        the depth stays below 2 at every node of the picture. The rounding errors of the
+        steps cancel in the middle of the picture.
+
+        Raises
+        ------
+        InputError
+            If an element is not finite, the size is beyond its limits, or an element is too large
+            for its format at the largest depth.
+        """
+        matrix = np.asarray(matrix, np.float64)
+        if matrix.shape != (3, 3) or not np.isfinite(matrix).all():
+            raise InputError(f"the view's matrix is {matrix.tolist()}, 3x3 finite numbers are "
+                             f"needed")
+        limits = np.array([[q.real(q.hi) for q in row] for row in FORMATS])
+        depth = np.abs(_depths(matrix, size)).max()
+        with np.errstate(divide="ignore"):
+            ratios = limits / np.abs(matrix)
+            ratio = min(ratios.min(), DEPTH_RANGE[1] * (1 - 2.0**-20) / depth)
+        if depth == 0 or ratio * depth < _MIN_DEPTH:
+            row, column = np.unravel_index(ratios.argmin(), (3, 3))
+            raise InputError(f"the view's matrix has {matrix[row, column]:g} in row {row}, column "
+                             f"{column}, the limit is {limits[row, column] / _MIN_DEPTH:g} times "
+                             f"its largest depth of {depth:g}")
+        scale = 2.0**np.floor(np.log2(ratio))
+        return cls(_rounded(matrix * scale, size), tuple(map(int, size)))
+
+    def geometry(self, trained):
+        """The :class:`Geometry` ``trained`` with the size of the view's picture."""
+        return replace(trained, corrected_width=self.size[0], corrected_height=self.size[1])
+
+    @property
+    def real(self):
+        """The matrix that the integers stand for, shape (3, 3), float64."""
+        return np.reshape([float(q.real(raw)) for q, raw in zip(_flat_formats(), self.matrix)],
+                          (3, 3))
+
+
+def _flat_formats():
+    return [q for row in FORMATS for q in row]
+
+
+def _depths(matrix, size):
+    """Depths at the outermost nodes of a picture of ``size``, between which all others are."""
+    columns = -BEFORE * max(NODES), size[0] + AFTER * max(NODES)
+    return np.array([matrix[2] @ (u, v, 1) for u in columns for v in (0, size[1] - 1)])
+
+
+def _rounded(matrix, size):
+    """Raw elements of ``matrix``; what the steps miss in the middle is added to the origins."""
+    middle = np.array([(value - 1) // 2 for value in size])
+    raw = []
+    for formats, row in zip(FORMATS, matrix):
+        steps = [int(q.quantise(value)) for q, value in zip(formats, row[:2])]
+        missed = sum((value - q.real(step)) * at
+                     for q, value, step, at in zip(formats, row[:2], steps, middle))
+        raw += [*steps, int(formats[2].quantise(row[2] + missed))]
+    return tuple(raw)
+
+
+def view_values(view, plane_height):
+    """Register values, by name, of a ``view`` of a lens whose trained picture has
+    ``plane_height`` rows."""
+    return {**dict(zip(VIEW_REGISTERS, view.matrix)),
+            PLANE_HEIGHT: plane_height}
