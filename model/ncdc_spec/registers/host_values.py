@@ -101,7 +101,8 @@ def host_values(descriptor, hardware=Hardware(), addresses=None, follow=False, c
     return {
         **network_values(descriptor, neurons),
         "VALID_BANK": 0,
-        **address_values(picture, hardware.data_width, addresses, form), "SOURCE_PITCH": addresses.pitch,
+        **address_values(picture, hardware.data_width, addresses, form),
+        "SOURCE_PITCH": addresses.pitch,
         "OUTPUT_FORMAT": form.code,
         "CORRECTED_WIDTH": view.size[0], "CORRECTED_HEIGHT": view.size[1],
         "DISTORTED_WIDTH": g.distorted_width, "DISTORTED_HEIGHT": g.distorted_height,
