@@ -9,7 +9,7 @@ from ipaddress import IPv4Address
 from ncdc_host.device.registers import Rejected
 from ncdc_host.device.stream import Receiver
 from ncdc_spec.protocols import gvcp, gvsp
-from ncdc_spec.protocols.features import FEATURES, feature
+from ncdc_spec.protocols.features import FEATURES, VIEW_FEATURES, feature, register_number
 from ncdc_spec.protocols.genicam import genicam_xml
 
 __all__ = ["ControlAgent", "Identity"]
@@ -71,17 +71,19 @@ class ControlAgent:
     def __init__(self, identity, registers, camera, stream, corrector):
         self._identity, self._registers = identity, registers
         self._camera, self._stream, self._corrector = camera, stream, corrector
-        self._xml = genicam_xml()
+        view = registers.has_view
+        xml = self._xml = genicam_xml(view=view)
         self._xml += bytes(-len(self._xml) % 4)
         self._words = {}                # numbers of the bootstrap registers by address
         self._texts = {}                # (address, bytes) of texts
         for name, value in identity.numbers.items():
             self._words[gvcp.register(name).address] = value
-        url = f"Local:{gvcp.XML_NAME};{gvcp.XML_BASE:X};{len(genicam_xml()):X}"
+        url = f"Local:{gvcp.XML_NAME};{gvcp.XML_BASE:X};{len(xml):X}"
         for name, text in {**identity.texts, "FirstUrl": url}.items():
             register = gvcp.register(name)
             self._texts[register.address] = text.encode().ljust(register.length, b"\0")
-        self._features = {one.address: one for one in FEATURES if one.address >= gvcp.FEATURE_BASE}
+        self._features = {one.address: one for one in (*FEATURES, *(VIEW_FEATURES if view else ()))
+                          if one.address >= gvcp.FEATURE_BASE}
         self._writable = {register.address: register.name for register in gvcp.BOOTSTRAP
                           if register.access == "rw"}
         self._sensor_address = self._ratio = 0
@@ -263,6 +265,8 @@ class ControlAgent:
             return self._registers.read(self._sensor_address)
         if one.name == "BalanceRatio":
             return self._registers.settings.colour.raw_gains[self._ratio]
+        if one in VIEW_FEATURES:
+            return self._registers.read_angle(one) & 0xFFFFFFFF
         return {**self._registers.auto,
                 "AcquisitionMode": self._mode, "TriggerMode": self._trigger,
                 "TLParamsLocked": self._tl_locked, "BalanceRatioSelector": self._ratio,
@@ -341,9 +345,12 @@ class ControlAgent:
         if one.table:
             self._registers.write_feature(one, value)
             return
+        value = register_number(one, value)
         if not one.low <= value <= one.high:
             raise Rejected("value")
-        if one.name in self._registers.auto:
+        if one in VIEW_FEATURES:
+            self._registers.write_angle(one, value)
+        elif one.name in self._registers.auto:
             self._registers.auto[one.name] = value
         elif one.name == "BalanceRatioSelector":
             self._ratio = value

@@ -28,6 +28,7 @@ from ncdc_spec.registers.register_map import (
     network_registers,
     registers,
 )
+from ncdc_spec.view_matrix import has_plane
 
 __all__ = ["CorrectorWindow", "descriptor_of_words"]
 
@@ -180,7 +181,10 @@ def descriptor_of_words(base, words):
         q.hidden_weight.real(arrays["hidden"][0]), q.hidden_bias.real(arrays["hidden"][1]),
         q.output_weight.real(arrays["output"][0]), q.output_bias.real(arrays["output"][1]),
         gamma=1.0, skip_weights=None if skip is None else q.skip_weight.real(skip))
+    # The registers do not hold the focal length: a lens of the same camera has the same picture.
+    plane = {"frame": base.provenance["frame"]} if has_plane(base) else {}
     (hidden_weights, hidden_biases), (output_weights, output_biases) = (
         arrays["hidden"], arrays["output"])
     return Descriptor(base.geometry, real, hidden_weights, hidden_biases, output_weights,
-                      output_biases, ValidRows(spans), q, base.variant, skip, nodes=base.nodes)
+                      output_biases, ValidRows(spans), q, base.variant, skip, nodes=base.nodes,
+                      provenance=plane)

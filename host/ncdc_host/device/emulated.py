@@ -22,6 +22,7 @@ from ncdc_spec.errors import InputError
 from ncdc_spec.geometry import MONO
 from ncdc_spec.protocols.gvcp import DISCOVERY, FORCEIP, PORT, parse_command
 from ncdc_spec.protocols.table_one import TCP_PORT
+from ncdc_spec.view_matrix import PlaneCamera, has_plane
 
 __all__ = ["Announcer", "DeviceOptions", "EmulatedDevice", "lens_corrections"]
 
@@ -110,6 +111,14 @@ def lens_corrections(descriptors):
     return [Correction(descriptor) for descriptor in descriptors]
 
 
+def _focals(corrections):
+    """Focal lengths of the lenses of a device with a view; none if a lens cannot have one."""
+    lenses = [correction.descriptor for correction in corrections]
+    if not all(has_plane(lens) and lens.nodes > 1 for lens in lenses):
+        return ()
+    return [PlaneCamera.of(lens).focal for lens in lenses]
+
+
 class EmulatedDevice:
     """A device that is there from construction to :meth:`close`.
 
@@ -139,7 +148,7 @@ class EmulatedDevice:
         descriptor = corrections[0].descriptor
         light = MovingScene(descriptor) if image is None else Photo(image, descriptor.geometry)
         self.registers = Registers(descriptor.geometry, len(corrections), round(10 * options.fps),
-                                   options.field)
+                                   options.field, _focals(corrections))
         self.camera = Camera(light, corrections, self.registers, options.noise)
         self._closed = threading.Event()
         with ExitStack() as opened:

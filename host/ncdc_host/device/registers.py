@@ -10,12 +10,19 @@ from ncdc_spec.colour import Colour
 from ncdc_spec.errors import InputError
 from ncdc_spec.pixel_formats import BGR8, PixelFormat, bayer_format, format_of_mraw
 from ncdc_spec.protocols.auto_control import OFF
-from ncdc_spec.protocols.features import AUTO_FEATURES, FEATURES, feature, system_word
+from ncdc_spec.protocols.features import (
+    AUTO_FEATURES,
+    FEATURES,
+    VIEW_FEATURES,
+    feature,
+    system_word,
+)
 from ncdc_spec.protocols.table_one import SYSTEM_PAGE, SYSTEM_WORDS
 from ncdc_spec.sensors import mt9p031 as sensor
 from ncdc_spec.sensors.field import FULL
 from ncdc_spec.sensors.framing import field_values, setup_around
 from ncdc_spec.sensors.sensor import Settings as Window
+from ncdc_spec.view_matrix import Angles
 
 __all__ = ["Rejected", "Registers", "Settings", "View"]
 
@@ -97,6 +104,7 @@ class Settings:
     pattern: int
     rate_tenths: int
     colour: Colour = Colour()
+    angles: Angles = Angles()
 
 
 class Registers:
@@ -112,9 +120,13 @@ class Registers:
     field : str, optional
         Part of the sensor that raw frames show, as of
         :func:`ncdc_spec.sensors.framing.setup_around`.
+    focals : sequence of float, optional
+        Focal length in pixels of each lens's corrected picture, for a device with a view.
 
     Attributes
     ----------
+    has_view : bool
+        Whether there are :data:`~ncdc_spec.protocols.features.VIEW_FEATURES`.
     lock : RLock
         Held by who needs several words at one time.
     auto : dict of str to int
@@ -131,13 +143,16 @@ class Registers:
     InputError
         If the raw frames cannot show that part of the sensor.
     """
-    def __init__(self, geometry, lenses, rate_tenths, field=None):
+    def __init__(self, geometry, lenses, rate_tenths, field=None, focals=()):
         self.lock = threading.RLock()
         self._geometry, self._lens_max = geometry, lenses - 1
         self._on_change = []
         self.bus_accesses = 0
         self._streaming = False
         self._colour = Colour()
+        self.has_view, self._focals = bool(focals), focals
+        self._angles = {one.name: round(getattr(Angles(), one.name.lower()) * one.scale[1])
+                        for one in VIEW_FEATURES if one.access == "rw"}
         self.auto = dict.fromkeys(AUTO_FEATURES, OFF)
         self.controlled = False
         self._asked, self._field = _framing(geometry, field)
@@ -164,7 +179,8 @@ class Registers:
             word = self._sensor
             gain = max(8, word[sensor.GLOBAL_GAIN] & 63)
             return Settings(self._view, self._lens, self.lines * self._line_ns(), gain,
-                            word[sensor.TEST_PATTERN], self._rate, self._colour)
+                            word[sensor.TEST_PATTERN], self._rate, self._colour,
+                            self._looking())
 
     @property
     def lines(self):
@@ -204,6 +220,25 @@ class Registers:
                 raise Rejected("locked")
             gains[selected] = gain
             self.set_colour(replace(self._colour, raw_gains=tuple(gains)))
+
+    def _looking(self):
+        """The :class:`Angles` of the view's features."""
+        return Angles(**{name.lower(): number / feature(name).scale[1]
+                         for name, number in self._angles.items()})
+
+    def read_angle(self, one):
+        """The number in the register of one of the view's features."""
+        with self.lock:
+            if one.name == "ViewFocal":
+                return round(self._focals[self._lens] * one.scale[1])
+            return self._angles[one.name]
+
+    def write_angle(self, one, number):
+        """Write such a register, within its limits."""
+        with self.lock:
+            if self._angles[one.name] != number:
+                self._angles[one.name] = number
+                self._change()
 
     def _change(self):
         for call in self._on_change:

@@ -11,6 +11,7 @@ from ncdc_host.gui.lens_loader import LensLoader
 from ncdc_host.gui.picture_files import PictureFiles
 from ncdc_host.gui.session import Session
 from ncdc_host.gui.tab_widgets import TabWidgets
+from ncdc_host.gui.view_steering import ViewSteering
 
 __all__ = ["DeviceTab"]
 
@@ -42,6 +43,7 @@ class DeviceTab(TabWidgets):
     ----------
     loader : LensLoader
     files : PictureFiles
+    steering : ViewSteering
     """
     titled, wants, said = Signal(str, str, str), Signal(str, bool), Signal(str)
     enabled, pictured = Signal(), Signal(object)
@@ -53,7 +55,7 @@ class DeviceTab(TabWidgets):
         self.shown = self.infos = self._corrected = None
         self.mode, self.frozen, self.access, self._state = "after", False, "", ""
         self.loader, self.files = LensLoader(self), PictureFiles(self)
-        self._counts = None
+        self.steering, self._counts = ViewSteering(self), None
         self._connect_session()
         self._connect_widgets()
         self._settle = QTimer(self, singleShot=True, interval=_SETTLE)
@@ -108,6 +110,7 @@ class DeviceTab(TabWidgets):
         for button in (self.bar.save, self.bar.freeze):
             button.setEnabled(self.shown is not None)
         self.bar.show_mode(self.mode, self.mode in _COMPARING and control)
+        self.steering.enable(control)
         self.enabled.emit()
 
     def can(self, action):
@@ -117,6 +120,8 @@ class DeviceTab(TabWidgets):
             return self.bar.modes[action].isEnabled()
         if action in ("loader.ask", "loader.calibrate", "loader.calibrate_live"):
             return self.lenses.isEnabled()
+        if action.startswith("steering."):
+            return self._state == "open" and self.steering.possible
         if action == "take_again":
             return not self.bar.again.isHidden()
         if action == "files.ask_raw":
@@ -287,8 +292,10 @@ class DeviceTab(TabWidgets):
     # Settings.
 
     def set_feature(self, name, value):
-        """Change a feature, as the panel does."""
-        self.settings.wait_for(name, self.session.set(name, value))
+        """Change a feature, as the panel does; returns the change's serial number."""
+        serial = self.session.set(name, value)
+        self.settings.wait_for(name, serial)
+        return serial
 
     def _features(self, infos):
         before, self.infos = self.infos or {}, infos

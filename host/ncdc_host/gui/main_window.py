@@ -119,6 +119,9 @@ class MainWindow(QMainWindow):
                 ("1:&1", "0", lambda: self.tab.view.set_scale(1))):
             self.of_tab.append((self._add(menu, text, key, act), "zoom"))
         menu.addSeparator()
+        self._add_of_tab(menu, "&Move the device's view", "V", "steering.toggle")
+        self._add_of_tab(menu, "&Reset the device's view", "Home", "steering.reset")
+        menu.addSeparator()
         self.panels = {}
         for name, text, key in (("devices", "&Devices", "F8"), ("settings", "S&ettings", "F9")):
             action = self.panels[name] = QAction(text, self, checkable=True, checked=True)

@@ -12,7 +12,11 @@ _NAMES = ("Before: raw frame", "After: corrected")
 _STEP = 1.25            # of zoom
 _SCALES = 1 / 16, 32
 _GAP = 6                # pixels between two pictures
+_WIPE = 0.02            # of the width that an arrow key moves the wipe's line
 _GRIP = 9               # pixels around the wipe's line that take hold of it
+# Directions of the arrow keys: right, down.
+_ARROWS = {Qt.Key.Key_Left: (-1, 0), Qt.Key.Key_Right: (1, 0), Qt.Key.Key_Up: (0, -1),
+           Qt.Key.Key_Down: (0, 1)}
 _BACKGROUND = QColor(38, 40, 43)
 
 
@@ -20,16 +24,21 @@ class PictureView(QWidget):
     """Paints ``live``, the newest picture, and ``still``, the raw frame it is compared with.
 
     Both are QImages; they are fitted to the same area, so that sizes may differ. The wheel zooms
-    about the cursor, dragging moves the picture, a double click fits it again.
+    about the cursor, dragging moves the picture, a double click fits it again. While ``steers`` is
+    set, wheel, dragging and arrow keys are signalled instead.
 
     Signals
     -------
+    dragged(QPointF), pushed(QPointF), wheeled(float)
+        While it steers: how far the picture was dragged, in its pixels; the direction of an arrow
+        key; steps of the wheel.
     pointed(QPoint, str)
         Pixel under the cursor, (-1, -1) if there is none, and its colour.
     scaled(float or None)
         Screen pixels per pixel; None while there is no picture.
     """
     pointed, scaled = Signal(QPoint, str), Signal(object)
+    dragged, pushed, wheeled = Signal(QPointF), Signal(QPointF), Signal(float)
 
     def __init__(self):
         super().__init__()
@@ -37,6 +46,7 @@ class PictureView(QWidget):
         self.mode, self.text = "after", ""
         self.wipe = 0.5             # the line's position, a share of the picture's width
         self.shade = False          # the picture is an old one
+        self.steers = False
         self._scale, self._middle = None, QPointF(0.5, 0.5)
         self._drag = None
         self.setMouseTracking(True)
@@ -239,7 +249,9 @@ class PictureView(QWidget):
 
     def wheelEvent(self, event):
         steps = event.angleDelta().y() / 120
-        if steps:
+        if steps and self.steers:
+            self.wheeled.emit(steps)
+        elif steps:
             self.zoom(_STEP**steps, event.position())
 
     def mousePressEvent(self, event):
@@ -255,6 +267,9 @@ class PictureView(QWidget):
         if self._drag == "line":
             rect = self._rect(self.rect())
             self.set_wipe((point.x() - rect.left()) / rect.width())
+        elif self._drag is not None and self.steers:
+            self.dragged.emit((point - self._drag) / self.scale)
+            self._drag = point
         elif self._drag is not None:
             rect = self._rect(self._areas()[0])
             moved = point - self._drag
@@ -280,9 +295,11 @@ class PictureView(QWidget):
         self.pointed.emit(QPoint(-1, -1), "")
 
     def keyPressEvent(self, event):
-        step = {Qt.Key.Key_Left: -0.02, Qt.Key.Key_Right: 0.02}.get(event.key())
-        if step and self.mode == "wipe":
-            self.set_wipe(self.wipe + step)
+        direction = _ARROWS.get(event.key())
+        if direction and self.steers:
+            self.pushed.emit(QPointF(*direction))
+        elif direction and direction[0] and self.mode == "wipe":
+            self.set_wipe(self.wipe + _WIPE * direction[0])
         else:
             super().keyPressEvent(event)
 

@@ -32,7 +32,7 @@ SHOWN = ("WidthMax", "HeightMax", "Width", "Height", "OffsetX", "OffsetY", "Pixe
          "ReverseX", "ReverseY", "TestPattern", "AcquisitionFrameRate", "LineTime",
          "ExposureAuto", "GainAuto", "BalanceWhiteAuto",
          "ExposureTime", "Gain", "CorrectionEnable", "LensSelector", "LensMax", "FramesDropped",
-         "FramesTorn")
+         "FramesTorn", "Pan", "Tilt", "Roll", "Zoom", "ViewFocal")
 
 
 @dataclass(frozen=True)

@@ -62,6 +62,8 @@ class SettingsPanel(QWidget):
         column.setContentsMargins(0, 0, 0, 0)
         column.addWidget(self._sensor_group())
         column.addWidget(self._picture_group())
+        self.look_group = self._look_group()
+        column.addWidget(self.look_group)
 
     def _sensor_group(self):
         group = QGroupBox("Sensor")
@@ -121,6 +123,19 @@ class SettingsPanel(QWidget):
         form.addRow("Mirror", row)
         return group
 
+    def _look_group(self):
+        """What is shown only of a device with a view."""
+        group = QGroupBox("View")
+        form, self.looks = _form(group), {}
+        for name, label in (("Pan", "P&an"), ("Tilt", "T&ilt"), ("Roll", "R&oll"),
+                            ("Zoom", "&Zoom")):
+            editor = (NumberEditor(name, 3, "×", "log") if name == "Zoom" else
+                      NumberEditor(name, 2, "°", "linear"))
+            editor.edited.connect(lambda value, name=name: self.changed.emit(name, value))
+            self.looks[name] = editor
+            form.addRow(label, editor)
+        return group
+
     def _combo(self, feature, label):
         box = _Box()
         box.setAccessibleName(label)
@@ -155,6 +170,10 @@ class SettingsPanel(QWidget):
         shown = {name: info for name, info in infos.items() if name not in self._waiting}
         self._show_sensor(shown)
         self._show_picture(shown)
+        self.look_group.setVisible("Pan" in infos)
+        for name, editor in self.looks.items():
+            if info := shown.get(name):
+                editor.show_value(info.value, info.minimum, info.maximum, 0.1)
 
     def _show_sensor(self, shown):
         for name, box in self.auto.items():

@@ -45,6 +45,10 @@ class ViewBar(QWidget):
                                   "take another one (R)")
         self.freeze = self._button("Freeze", "Keep this picture on the screen (space)")
         self.freeze.setCheckable(True)
+        self.steer = self._button("Move view", "Drag, wheel and arrow keys move the device's view, "
+                                  "for all its users, instead of the picture in the window (V)")
+        self.steer.setCheckable(True)
+        self.reset = self._button("Reset view", "Look as the lens was trained (Home)")
         self.save = self._button("Save …", "Save the picture that is shown (Ctrl+S)")
         self._row.addWidget(self._zoom_group())
         self.show_scale(None)

@@ -13,10 +13,11 @@ from ncdc_spec.protocols.gvcp import BOOTSTRAP, FEATURE_BASE
 from ncdc_spec.protocols.table_one import SYSTEM_WORDS
 from ncdc_spec.sensors import mt9p031 as sensor
 from ncdc_spec.sensors.grid import MAX_REDUCTION
+from ncdc_spec.view_matrix import LIMITS
 from ncdc_spec.white_balance import LARGEST_GAIN, UNITY
 
-__all__ = ["AUTO_FEATURES", "FEATURES", "Choice", "Feature", "TEST_PATTERNS", "feature",
-           "system_word"]
+__all__ = ["AUTO_FEATURES", "FEATURES", "Choice", "Feature", "TEST_PATTERNS",
+           "VIEW_FEATURES", "feature", "register_number", "system_word"]
 
 _SYSTEM = {word.name: word.address for word in SYSTEM_WORDS}
 _BOOTSTRAP = {register.name: register.address for register in BOOTSTRAP}
@@ -53,7 +54,7 @@ class Feature:
     access : str
         "rw", "ro" or "wo".
     low, high : int
-        Limits of the register.
+        Limits of the register, a number with a sign if the lower one is negative.
     high_from : tuple of str
         Names of the features whose difference, or the one whose value, bounds the register
         in addition to ``high``.
@@ -266,7 +267,27 @@ FEATURES = (
     Feature("GevSCPD", "integer", _BOOTSTRAP["StreamPacketDelay"], "Delay between two packets.",
             "TransportLayerControl", high=1_000_000, unit="ns"),
 )
-_BY_NAME = {feature.name: feature for feature in FEATURES}
+
+
+def _looking(name, index, text, steps, unit="deg"):
+    """The feature of one number of :class:`ncdc_spec.view_matrix.Angles`, ``steps`` a unit."""
+    low, high = (round(steps * value) for value in LIMITS[name.lower()])
+    return Feature(name, "float", _own(index), text, "NcdcControl", low=low, high=high, unit=unit,
+                   scale=(1, steps))
+
+
+VIEW_FEATURES = (
+    _looking("Pan", 41, "Direction in which corrected pictures look, to the right.", 100),
+    _looking("Tilt", 42, "The same, upwards.", 100),
+    _looking("Roll", 43, "Turn of the view about its own axis, clockwise.", 100),
+    _looking("Zoom", 44, "Magnification, 1 as trained.", 1000, unit=""),
+    Feature("ViewFocal", "float", _own(45), "Focal length of corrected pictures at Zoom 1.",
+            "NcdcControl", access="ro", unit="pixel", scale=(1, 100)),
+)
+"""Further features of a device whose corrector has a view, and whose lenses state their focal
+length."""
+
+_BY_NAME = {feature.name: feature for feature in (*FEATURES, *VIEW_FEATURES)}
 
 AUTO_FEATURES = tuple(one.name for one in FEATURES if one.choices == _AUTO)
 
@@ -274,3 +295,8 @@ AUTO_FEATURES = tuple(one.name for one in FEATURES if one.choices == _AUTO)
 def feature(name):
     """The :class:`Feature` of that name; raises :class:`KeyError`."""
     return _BY_NAME[name]
+
+
+def register_number(one, word):
+    """The number that a 32-bit register of the feature ``one`` holds, with its sign."""
+    return word - (1 << 32) if one.low < 0 and word >> 31 else word

@@ -3,7 +3,7 @@
 import xml.etree.ElementTree as ElementTree
 from xml.etree.ElementTree import Element, SubElement
 
-from ncdc_spec.protocols.features import FEATURES
+from ncdc_spec.protocols.features import FEATURES, VIEW_FEATURES
 
 __all__ = ["genicam_xml"]
 
@@ -13,13 +13,14 @@ _NODES = {"integer": "Integer", "float": "Float", "boolean": "Boolean",
           "enumeration": "Enumeration", "command": "Command"}
 
 
-def genicam_xml(colour=True):
+def genicam_xml(colour=True, view=False):
     """The XML text, UTF-8 bytes; the same bytes for the same table.
 
     ``colour``: the device's corrector has gains of the colours. Without them, the XML lacks the
-    features that need them.
+    features that need them. ``view``: it has a view, and so the features of one.
     """
     features = [one for one in FEATURES if colour or not one.needs_colour]
+    features += VIEW_FEATURES if view else ()
     root = Element("RegisterDescription", {
         "ModelName": "NCDC", "VendorName": "NCDC", "StandardNameSpace": "None",
         "SchemaMajorVersion": "1", "SchemaMinorVersion": "1", "SchemaSubMinorVersion": "0",
@@ -129,7 +130,8 @@ def _float(root, node, one, register):
         factor = f"FACTOR*{factor}"
     for name, used in variables:
         SubElement(converter, "pVariable", Name=name).text = used
-    _values(converter, FormulaTo=f"TRUNC(FROM/({factor})+0.5)", FormulaFrom=f"TO*({factor})",
+    whole = "FLOOR" if one.low < 0 else "TRUNC"
+    _values(converter, FormulaTo=f"{whole}(FROM/({factor})+0.5)", FormulaFrom=f"TO*({factor})",
             pValue=register, Slope="Increasing")
     _values(node, pValue=f"{one.name}Converter")
     if variables:
@@ -156,4 +158,4 @@ def _register(root, one):
         # Bits are counted from the most significant one in big-endian registers.
         lowest, width = one.field
         _values(node, LSB=31 - lowest, MSB=31 - lowest - width + 1)
-    _values(node, Sign="Unsigned", Endianess="BigEndian")
+    _values(node, Sign="Signed" if one.low < 0 else "Unsigned", Endianess="BigEndian")

@@ -1,0 +1,124 @@
+"""How still a point of the scene stands in the pictures of a shaking camera."""
+
+from dataclasses import replace
+from tempfile import TemporaryDirectory
+from pathlib import Path
+
+import cv2
+import numpy as np
+
+from ncdc_bench.view.shaking import Shake, ShakingCamera, small_camera
+from ncdc_model.example.render import ideal_samples
+from ncdc_model.stabilise.quaternions import matrices
+from ncdc_model.stabilise.stabiliser import Stabiliser
+from ncdc_model.training.choices import TrainingChoices
+from ncdc_model.training.pipeline import train_camera
+from ncdc_model.training.source import load_source
+from ncdc_model.view_map import view_map
+from ncdc_spec.view_matrix import Angles, PlaneCamera, view_matrix
+
+__all__ = ["steadiness", "trained_lens"]
+
+_FPS, _READOUT = 30.0, 0.016
+_NEURONS, _STARTS = 8, 4
+_PITCH, _RADIUS = 0.16, 0.03    # of the discs, in units of the plane at distance 1
+_EDGE = 0.006                   # width of a disc's edge
+_FIELD = 4                      # discs to each side of the middle
+_MARGIN = 1.8                   # radii around a disc that its centre is measured in
+_LEAD = 1.0                     # s of samples before the film and after it
+
+
+def trained_lens(camera):
+    """A descriptor of ``camera``, trained on its map from few starts."""
+    with TemporaryDirectory() as folder:
+        path = Path(folder) / "camera.toml"
+        camera.save(path)
+        source = load_source(path)
+    choices = TrainingChoices(options={"starts": _STARTS}, nodes=8)
+    return train_camera(source, _NEURONS, choices).descriptor
+
+
+def discs(a, b):
+    """Light (..., 3) of bright discs on a dark wall, at the points (a, b)."""
+    column, row = (np.clip(np.rint(part / _PITCH), -_FIELD, _FIELD) for part in (a, b))
+    distance = np.hypot(a - _PITCH * column, b - _PITCH * row)
+    level = 20 + 200 * np.clip(.5 - (distance - _RADIUS) / _EDGE, 0, 1)
+    return np.repeat(level[..., None], 3, axis=-1)
+
+
+def steadiness(descriptor, frames, degrees=3.0, smoothing=0.5, progress=lambda fraction: None):
+    """Movement of points from frame to frame, with stabilisation and without.
+
+    Returns
+    -------
+    dict
+        ``frames``, ``points``; ``shake_degrees_rms`` about each axis, ``shake_rate_rms`` in
+        degrees per second, ``readout_ms``; ``moved_px_rms`` with stabilisation and
+        ``moved_px_rms_without``: of the distance between a point's places in two successive
+        pictures, in pixels; ``moved_px_max``; ``off_px_rms``, ``off_px_max``: distance from the
+        place that the view should show a point at.
+    """
+    shaking = ShakingCamera(small_camera(), Shake(degrees), _READOUT)
+    gyroscope = shaking.shake.gyroscope(-_LEAD, frames / _FPS + _LEAD)
+    trained = PlaneCamera.of(descriptor)
+    view = trained.view()
+    stabiliser = Stabiliser(gyroscope, trained, view, np.eye(3), descriptor.geometry.distorted_height,
+                            _READOUT, 0.0, smoothing)
+    grid = _PITCH * np.arange(-_FIELD, _FIELD + 1)
+    rays = np.stack([*np.meshgrid(grid, grid), np.ones((len(grid),) * 2)], axis=-1).reshape(-1, 3)
+    samples = ideal_samples(shaking.camera)
+    still = view_map(descriptor, view.size, np.eye(3))
+    origin = matrices(shaking.shake.orientation(-_LEAD))
+    held, free, wanted = [], [], []
+    for k in range(frames):
+        seconds = k / _FPS
+        raw = np.clip(np.rint(shaking.frame(seconds, samples, discs)), 0, 255).astype(np.uint8)
+        steady = origin @ matrices(gyroscope.smooth(seconds + _READOUT / 2, smoothing))
+        places = _pixels(view, rays @ steady)
+        wanted.append(places)
+        held.append(_centres(raw, view_map(descriptor, view.size, stabiliser.matrices(seconds)),
+                             places, view.focal))
+        free.append(_centres(raw, still, _pixels(view, shaking.direction(rays, seconds)),
+                             view.focal))
+        progress((k + 1) / frames)
+    held, free, wanted = np.array(held), np.array(free), np.array(wanted)
+    off = np.linalg.norm(held - wanted, axis=-1)
+    moved = np.linalg.norm(np.diff(held, axis=0), axis=-1)
+    without = np.linalg.norm(np.diff(free, axis=0), axis=-1)
+    seen = np.isfinite(moved)
+    return {"frames": frames, "points": int(seen.any(axis=0).sum()),
+            "shake_degrees_rms": degrees, "readout_ms": 1000 * _READOUT,
+            "shake_rate_rms": float(np.degrees(np.sqrt((gyroscope.rates**2).mean()))),
+            "moved_px_rms": _rms(moved), "moved_px_max": float(np.nanmax(moved)),
+            "moved_px_rms_without": _rms(without),
+            "off_px_rms": _rms(off), "off_px_max": float(np.nanmax(off))}
+
+
+def _rms(values):
+    return float(np.sqrt(np.nanmean(values**2)))
+
+
+def _pixels(camera, rays):
+    """Pixels (n, 2) of directions in a :class:`PlaneCamera`."""
+    points = rays @ camera.matrix.T
+    return points[:, :2] / points[:, 2:]
+
+
+def _centres(raw, maps, places, focal):
+    """Centres (n, 2) of the discs near ``places`` in the picture; not-a-number if one is cut."""
+    *source, blank = maps
+    picture = cv2.remap(raw[..., 1], *source, cv2.INTER_LINEAR)
+    reach = round(_MARGIN * _RADIUS * focal)
+    height, width = picture.shape
+    found = np.full(places.shape, np.nan)
+    for k, (u, v) in enumerate(np.rint(np.nan_to_num(places, nan=-1e6)).astype(int)):
+        if not (reach <= u < width - reach and reach <= v < height - reach):
+            continue
+        window = np.s_[v - reach:v + reach + 1, u - reach:u + reach + 1]
+        if blank[window].any():
+            continue
+        weight = np.maximum(picture[window].astype(float) - 40, 0)
+        rows, columns = np.mgrid[-reach:reach + 1, -reach:reach + 1]
+        found[k] = u, v
+        found[k] += np.array([(weight * columns).sum(), (weight * rows).sum()]) / weight.sum()
+    return found

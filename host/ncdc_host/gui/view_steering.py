@@ -1,0 +1,98 @@
+"""Moves the view of a device as the mouse and the keys say."""
+
+import math
+
+from PySide6.QtCore import QObject, QPointF
+
+from ncdc_spec.view_matrix import LIMITS, Angles
+
+__all__ = ["ViewSteering"]
+
+NAMES = {name.capitalize(): name for name in LIMITS}
+"""The features of a view, and the names of :class:`Angles`."""
+
+_KEY = 0.1              # of the picture's width that an arrow key moves
+_ZOOM = 1.1             # a step of the wheel
+_STEEPEST = 0.2         # cosine of the tilt from which on a drag does not turn the view faster
+
+
+class ViewSteering(QObject):
+    """Joins the :class:`PictureView` of a tab to the features Pan, Tilt, Roll and Zoom.
+
+    What is under the cursor stays under it while it is dragged, but for the corners of a wide view.
+    """
+
+    def __init__(self, tab):
+        super().__init__(tab)
+        self._tab, self._sent = tab, {}     # values that the device has not answered yet
+        view, bar = tab.view, tab.bar
+        view.dragged.connect(self.drag)
+        view.wheeled.connect(self.magnify)
+        view.pushed.connect(self.push)
+        bar.steer.clicked.connect(self.steer)
+        bar.reset.clicked.connect(self.reset)
+        tab.session.written.connect(self._written)
+
+    @property
+    def possible(self):
+        """Whether the device has a view, and sends it."""
+        infos = self._tab.infos or {}
+        return "ViewFocal" in infos and infos["CorrectionEnable"].value
+
+    def enable(self, control):
+        """Show the buttons of a device with a view; ``control``: it can be moved."""
+        bar, on = self._tab.bar, control and self.possible
+        for button in (bar.steer, bar.reset):
+            button.setVisible(self.possible)
+            button.setEnabled(on)
+        if not on:
+            self.steer(False)
+
+    def toggle(self):
+        """Begin to move the view by mouse and keys, or end it."""
+        self.steer(not self._tab.view.steers)
+
+    def steer(self, on):
+        """Have mouse and keys move the device's view, or the picture in the window."""
+        self._tab.bar.steer.setChecked(on)
+        self._tab.view.steers = on
+
+    def drag(self, moved):
+        """Turn the view so that its content moves by ``moved``, a QPointF in pixels."""
+        values = {name: self._value(name) for name in NAMES}
+        radius = self._tab.infos["ViewFocal"].value * values["Zoom"]
+        x, y = (-side if self._tab.infos[mirror].value else side for side, mirror in
+                ((moved.x(), "ReverseX"), (moved.y(), "ReverseY")))
+        roll, tilt = (math.radians(values[name]) for name in ("Roll", "Tilt"))
+        across = x * math.cos(roll) - y * math.sin(roll)
+        down = x * math.sin(roll) + y * math.cos(roll)
+        level = max(_STEEPEST, math.cos(tilt))
+        self._set(Pan=values["Pan"] - math.degrees(math.atan(across / radius / level)),
+                  Tilt=values["Tilt"] + math.degrees(math.atan(down / radius)))
+
+    def push(self, direction):
+        """Turn the view towards ``direction``, a QPointF, by a part of its width."""
+        width = self._tab.shown.image.width() if self._tab.shown else 0
+        self.drag(QPointF(direction * (-_KEY * width)))
+
+    def magnify(self, steps):
+        """Zoom in by so many steps of the wheel."""
+        self._set(Zoom=self._value("Zoom") * _ZOOM**steps)
+
+    def reset(self):
+        """Look as the lens was trained."""
+        self._set(**{name: getattr(Angles(), key) for name, key in NAMES.items()})
+
+    def _value(self, name):
+        return self._sent[name][1] if name in self._sent else self._tab.infos[name].value
+
+    def _set(self, **values):
+        for name, value in values.items():
+            low, high = LIMITS[NAMES[name]]
+            value = min(max(value, low), high)
+            if value != self._value(name):
+                self._sent[name] = self._tab.set_feature(name, value), value
+
+    def _written(self, name, serial):
+        if name in self._sent and self._sent[name][0] == serial:
+            del self._sent[name]
