@@ -17,6 +17,7 @@ from ncdc_model.golden import colour as golden_colour
 from ncdc_model.golden import corrector as golden
 from ncdc_model.golden import network
 from ncdc_model.golden.corrector import Corrected, check_raw, window_bands
+from ncdc_model.golden.view import view_coordinates
 from ncdc_spec.descriptor import Descriptor
 from ncdc_spec.errors import InputError
 from ncdc_spec.geometry import scan_order
@@ -62,16 +63,19 @@ class Correction:
     descriptor : Descriptor
     model : str, optional
         One of :data:`MODELS`; :func:`default_model` by default.
+    view : View, optional
+        What the corrected frames show; the trained picture by default.
 
     Raises
     ------
     InputError
-        If the compiled model is asked for and cannot be had.
+        If the compiled model is asked for and cannot be had, or there is a view and no nodes.
     """
-    def __init__(self, descriptor, model=None):
-        self.descriptor = descriptor
+    def __init__(self, descriptor, model=None, view=None):
+        self.descriptor, self.view = descriptor, view
         self.model = model or default_model()
-        self._compiled = CompiledCorrector(descriptor) if self.model == COMPILED else None
+        self._compiled = (CompiledCorrector(descriptor, *_frame_sources(descriptor, view))
+                          if self.model == COMPILED else None)
         self._fetches = {}      # by the width of strips
 
     def __call__(self, raw, crest=0, strip=0, progress=lambda done, total: None,
@@ -81,12 +85,13 @@ class Correction:
         See :func:`ncdc_model.golden.corrector.correct`.
         """
         if self._compiled is None:
-            return golden.correct(self.descriptor, raw, progress, strip, crest, raw_gains)
+            return golden.correct(self.descriptor, raw, progress, strip, crest, raw_gains,
+                                  self.view)
         geometry = self.descriptor.geometry
         check_raw(raw, geometry)
         check_crest(crest, geometry.interpolation)
         picture = self._compiled.picture(balanced_raw(raw, geometry, raw_gains), crest)
-        progress(geometry.corrected_height, geometry.corrected_height)
+        progress(len(picture), len(picture))
         return Corrected(picture, self.blank, self._fetches_of(strip))
 
     @cached_property
@@ -101,7 +106,7 @@ class Correction:
 
         x0 and y0 are int16, and zero where the pixel is blank and ``used`` is false.
         """
-        width, height = self.descriptor.geometry.corrected
+        width, height = self.view.size if self.view else self.descriptor.geometry.corrected
         if self._compiled is not None:
             used = ~self.blank
             y0, x0 = np.divmod(np.where(used, self._compiled.first, 0),
@@ -110,7 +115,7 @@ class Correction:
             return x0.astype(np.int16), y0.astype(np.int16), used
         x0, y0 = np.zeros((2, height, width), np.int16)
         used = np.empty((height, width), bool)
-        for rows, columns, lines, _, _, valid in window_bands(self.descriptor):
+        for rows, columns, lines, _, _, valid in window_bands(self.descriptor, self.view):
             used[rows] = valid
             x0[rows], y0[rows] = columns * valid, lines * valid
             progress(rows.stop, height)
@@ -133,22 +138,22 @@ class _Lens:
 
 
 @lru_cache(maxsize=_LENSES)
-def _cached(lens, model):
-    return Correction(lens.descriptor, model)
+def _cached(lens, model, view):
+    return Correction(lens.descriptor, model, view)
 
 
-def correction_of(descriptor, model=None):
-    """The :class:`Correction` of a descriptor, one of the last few or a new one."""
-    return _cached(_Lens(descriptor.digest, descriptor), model or default_model())
+def correction_of(descriptor, model=None, view=None):
+    """The :class:`Correction` of a descriptor and a view, one of the last few or a new one."""
+    return _cached(_Lens(descriptor.digest, descriptor), model or default_model(), view)
 
 
 def correct(descriptor, raw, progress=lambda done, total: None, strip=0, crest=0,
-            raw_gains=NO_RAW_GAINS, model=None):
+            raw_gains=NO_RAW_GAINS, model=None, view=None):
     """Correct a ``raw`` frame, see :func:`ncdc_model.golden.corrector.correct`.
 
     ``model``: as of :class:`Correction`.
     """
-    return correction_of(descriptor, model)(raw, crest, strip, progress, raw_gains)
+    return correction_of(descriptor, model, view)(raw, crest, strip, progress, raw_gains)
 
 
 def frame_coordinates(descriptor):
@@ -164,6 +169,21 @@ def frame_coordinates(descriptor):
         v, u = np.mgrid[top:min(top + _ROWS, height), 0:width]
         frame[:, top:top + _ROWS] = network.coordinates(descriptor, u, v)
     return frame
+
+
+def _frame_sources(descriptor, view):
+    """Arrays of :class:`CompiledCorrector`: raw coordinates of every pixel, and the valid ones."""
+    if not view:
+        return *frame_coordinates(descriptor), descriptor.valid.mask(
+            descriptor.geometry.corrected_width)
+    width, height = view.size
+    x, y = np.empty((2, height, width), np.int32)
+    valid = np.empty((height, width), bool)
+    for top in range(0, height, _ROWS):
+        rows = slice(top, min(top + _ROWS, height))
+        v, u = np.mgrid[rows, 0:width]
+        x[rows], y[rows], valid[rows] = view_coordinates(descriptor, view, u, v)
+    return x, y, valid
 
 
 def coloured(corrected, colour, model=None):

@@ -52,8 +52,11 @@ class Q:
 
     def holds(self, raw):
         """Whether every one of the ``raw`` integers fits."""
-        raw = np.asarray(raw)
-        return bool(((raw >= self.lo) & (raw <= self.hi)).all())
+        return bool(self.inside(np.asarray(raw)).all())
+
+    def inside(self, raw):
+        """Which of the ``raw`` integers fit, a bool array."""
+        return (raw >= self.lo) & (raw <= self.hi)
 
     def __str__(self):
         return f"Q{self.i_bits}.{self.f_bits}"

@@ -8,6 +8,7 @@ from ncdc_spec.frames import BGRX8, OUTPUT_FORMATS, check_format, output_format
 from ncdc_spec.geometry import check_strip_width
 from ncdc_spec.interpolation import FAST
 from ncdc_spec.nodes import NODES, nodes_fit, row_nodes
+from ncdc_spec.view import check_view_nodes
 
 __all__ = ["BUSES", "DATA_WIDTHS", "FETCHERS", "FORMATS", "HIDDEN", "LANES", "MULTIPLIER_BITS",
            "NODE_CLOCKS", "OUTPUTS", "VIDEOS", "Hardware", "check_lanes"]
@@ -263,9 +264,8 @@ class Hardware:
         if self.hidden == "raster" and descriptor.nodes > 1:
             raise InputError(f"hidden is raster, a network at every {descriptor.nodes}th pixel "
                              f"needs multiply")
-        if self.view and descriptor.nodes == 1:
-            raise InputError("the network is evaluated at every pixel, a view needs nodes, which "
-                             "ncdc train --nodes 8, 16 or 32 gives")
+        if self.view:
+            check_view_nodes(descriptor.nodes)
         self.units(descriptor.hidden_neurons)
         self.split_for(geometry)
         return replace(self, cache=self.cache_for(geometry), share=self.share_for(descriptor))

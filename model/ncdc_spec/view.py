@@ -9,8 +9,8 @@ from ncdc_spec.fixed import Q
 from ncdc_spec.geometry import MAX_SIZE, MIN_SIZE
 from ncdc_spec.nodes import AFTER, BEFORE, NODES
 
-__all__ = ["DEPTH_RANGE", "FORMATS", "NAMES", "PLANE_HEIGHT", "VIEW_REGISTERS", "View",
-           "view_values"]
+__all__ = ["COLUMN", "DEPTH_SHIFTS", "FORMATS", "NAMES", "NODE", "NUMERATOR", "PLANE",
+           "PLANE_HEIGHT", "VIEW_REGISTERS", "View", "check_view_nodes", "view_values"]
 
 _POSITION, _POSITION_STEP = Q(15, 17), Q(5, 27)
 _DEPTH, _DEPTH_STEP = Q(2, 30), Q(-3, 35)
@@ -28,9 +28,19 @@ PLANE_HEIGHT = "PLANE_HEIGHT"
 VIEW_REGISTERS = tuple(name for row in NAMES for name in row)
 """Those registers in the order of :attr:`View.matrix`."""
 
-DEPTH_RANGE = 2.0**-7, 2.0
-"""A pixel has a source only if its depth is at least the first of these and below the second."""
+DEPTH_SHIFTS = 7
+"""Depths of nodes are from 2**-7 to below 2; others have no source."""
 
+NUMERATOR = Q(15, 12)
+"""Of X and Y, shifted like a depth that is shifted to 1..2."""
+
+PLANE = Q(14, 13)
+"""Of positions in the trained picture at nodes, in pixels."""
+
+NODE, COLUMN = Q(14, 6), Q(14, 0)
+"""Of positions at nodes and between them, where they select a valid span."""
+
+_MAX_DEPTH = 2 - 2.0**-20
 _MIN_DEPTH = 1 / 8      # largest depth of a view in its formats, at least: steps stay precise
 
 
@@ -99,7 +109,7 @@ class View:
         depth = np.abs(_depths(matrix, size)).max()
         with np.errstate(divide="ignore"):
             ratios = limits / np.abs(matrix)
-            ratio = min(ratios.min(), DEPTH_RANGE[1] * (1 - 2.0**-20) / depth)
+            ratio = min(ratios.min(), _MAX_DEPTH / depth)
         if depth == 0 or ratio * depth < _MIN_DEPTH:
             row, column = np.unravel_index(ratios.argmin(), (3, 3))
             raise InputError(f"the view's matrix has {matrix[row, column]:g} in row {row}, column "
@@ -139,6 +149,13 @@ def _rounded(matrix, size):
                      for q, value, step, at in zip(formats, row[:2], steps, middle))
         raw += [*steps, int(formats[2].quantise(row[2] + missed))]
     return tuple(raw)
+
+
+def check_view_nodes(nodes):
+    """Raise :class:`InputError` unless a network at every ``nodes``-th pixel can have a view."""
+    if nodes == 1:
+        raise InputError("the network is evaluated at every pixel, a view needs nodes, which "
+                         "ncdc train --nodes 8, 16 or 32 gives")
 
 
 def view_values(view, plane_height):

@@ -1,6 +1,6 @@
 """Frames of one descriptor, corrected by the compiled model.
 
-What depends on the lens alone, the source of each pixel, is computed once.
+What depends on the lens and the view alone, the source of each pixel, is computed once.
 """
 
 import ctypes
@@ -8,7 +8,6 @@ import threading
 
 import numpy as np
 
-from ncdc_model.compiled.coordinates import frame_coordinates
 from ncdc_model.compiled.library import library, pointer
 from ncdc_spec.interpolation import DIRECTIONAL
 
@@ -31,6 +30,8 @@ class CompiledCorrector:
     Parameters
     ----------
     descriptor : Descriptor
+    x, y, valid : ndarray, shape (height, width)
+        Raw coordinates of each pixel, int32, and whether it is in a valid span, bool.
 
     Attributes
     ----------
@@ -42,12 +43,10 @@ class CompiledCorrector:
     InputError
         If there is no compiled library, see :func:`ncdc_model.compiled.library.library`.
     """
-    def __init__(self, descriptor):
+    def __init__(self, descriptor, x, y, valid):
         self._geometry = geometry = descriptor.geometry
         self._f_bits = descriptor.formats.coordinate.f_bits
-        self._sources = np.empty(geometry.corrected[::-1], _SOURCE)
-        x, y = frame_coordinates(descriptor)
-        valid = descriptor.valid.mask(geometry.corrected_width)
+        self._sources = np.empty(valid.shape, _SOURCE)
         needs = geometry.interpolation
         library().sources(pointer(x), pointer(y), pointer(valid), valid.size,
                           int(needs.offset * (1 << self._f_bits)), self._f_bits, needs.core,
@@ -74,7 +73,7 @@ class CompiledCorrector:
                              None if curvature is None else pointer(curvature),
                              (*geometry.fill, 0))
         pixels = ctypes.byref(blending), pointer(self._sources), self.first.size
-        picture = np.empty((*geometry.corrected[::-1], 3), np.uint8)
+        picture = np.empty((*self.first.shape, 3), np.uint8)
         if geometry.mono:
             colours = self._at_samples("grey_colours", framed, 4)
             library().blend(*pixels, pointer(colours), pointer(picture))

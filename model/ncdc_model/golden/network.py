@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from ncdc_model.golden.nodes import between
+from ncdc_model.golden.nodes import between, node_grid, round_sums
 from ncdc_spec.fixed import requantise
 from ncdc_spec.geometry import SCAN
 from ncdc_spec.tansig import tansig
@@ -79,20 +79,15 @@ def coordinates(descriptor, u, v):
     u, v = np.broadcast_arrays(np.asarray(u, np.int64), np.asarray(v, np.int64))
     if not u.size:
         return np.zeros((2, *u.shape), np.int64)
-    # Evaluate all nodes from those of the first to those of the last pixel, in each row.
-    rows, row = np.unique(v, return_inverse=True)
-    first, last = u.min() // d.nodes - 1, u.max() // d.nodes + 2
-    columns, lines = np.meshgrid(np.arange(first, last + 1) * d.nodes, rows)
-    tables = network(d, *normalised_scan(columns, lines, d.geometry, formats))
-    return tuple(round_between(between(lambda k: table[row.reshape(v.shape), k - first], u,
-                                       d.nodes), d) for table in tables)
+    columns, lines, nodes_of = node_grid(u, v, d.nodes)
+    return tuple(round_between(between(nodes_of(table), u, d.nodes), d)
+                 for table in network(d, *normalised_scan(columns, lines, d.geometry, formats)))
 
 
 def round_between(sums, descriptor):
     """Coordinates of 4 S^2 times their value between nodes: the only rounding after the nodes."""
-    fine, coarse = descriptor.network_formats.coordinate, descriptor.formats.coordinate
-    shift = 2 + 2 * (descriptor.nodes.bit_length() - 1) + fine.f_bits - coarse.f_bits
-    return requantise(sums, shift, coarse)
+    return round_sums(sums, descriptor.nodes, descriptor.network_formats.coordinate,
+                      descriptor.formats.coordinate)
 
 
 def frame_coordinates(descriptor):

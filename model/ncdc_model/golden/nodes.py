@@ -11,10 +11,11 @@ on the order of the scan. ``docs/explanation/nodes.md`` derives the error.
 
 import numpy as np
 
+from ncdc_spec.fixed import requantise
 from ncdc_spec.nodes import NODES, nodes_fit
 
 __all__ = ["CURVATURE_LIMIT", "between", "curvature", "interpolated_map", "largest_nodes",
-           "sums_between"]
+           "node_grid", "round_sums", "sums_between"]
 
 CURVATURE_LIMIT = .001      # px, largest error of the interpolation
 
@@ -32,6 +33,28 @@ def between(nodes_of, u, nodes):
     """4 S^2 x at columns ``u`` (real or whole); ``nodes_of(k)``: node k of each pixel's row."""
     k = np.floor_divide(u, nodes)
     return sums_between(*(nodes_of(k + step) for step in (-1, 0, 1, 2)), u - k * nodes, nodes)
+
+
+def round_sums(sums, nodes, fine, coarse):
+    """Values in ``coarse`` of :func:`sums_between` of nodes in ``fine``."""
+    return requantise(sums, 2 + 2 * (nodes.bit_length() - 1) + fine.f_bits - coarse.f_bits, coarse)
+
+
+def node_grid(u, v, nodes):
+    """The nodes that pixels (u, v) of any rows need, each row's from the first to the last.
+
+    Returns
+    -------
+    columns, lines : ndarray of int
+        Pixel at each node, shape (rows, nodes of a row).
+    nodes_of : callable
+        Of a table of values at the nodes, the function that :func:`between` needs.
+    """
+    rows, row = np.unique(v, return_inverse=True)
+    first, last = u.min() // nodes - 1, u.max() // nodes + 2
+    columns, lines = np.meshgrid(np.arange(first, last + 1) * nodes, rows)
+    row = row.reshape(v.shape)
+    return columns, lines, lambda table: lambda k: table[row, k - first]
 
 
 def interpolated_map(back_map, nodes):
