@@ -21,8 +21,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from ncdc_spec.errors import InputError
+from ncdc_spec.view import View
 
-__all__ = ["Angles", "LIMITS", "PlaneCamera", "has_plane", "view_matrix"]
+__all__ = ["Angles", "LIMITS", "PlaneCamera", "has_plane", "view_looking", "view_matrix"]
 
 LIMITS = {"pan": (-90.0, 90.0), "tilt": (-90.0, 90.0), "roll": (-180.0, 180.0),
           "zoom": (0.25, 8.0)}
@@ -131,3 +132,16 @@ def view_matrix(trained, view, rotation):
         From the axes of the view to those of the trained camera.
     """
     return trained.matrix @ rotation @ np.linalg.inv(view.matrix)
+
+
+def view_looking(descriptor, angles, size=None):
+    """The :class:`~ncdc_spec.view.View` of ``angles`` and ``size``, by default the trained size.
+
+    Raises
+    ------
+    InputError
+        If the descriptor does not state its focal length, or the view is beyond its formats.
+    """
+    trained = PlaneCamera.of(descriptor)
+    view = trained.view(size, angles.zoom)
+    return View.of(view_matrix(trained, view, angles.rotation), view.size)

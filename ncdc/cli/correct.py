@@ -13,7 +13,7 @@ from ncdc.cli.sequence import (
     correct_stream,
     listed,
 )
-from ncdc.cli.view import add_stabilisation, add_view, check_no_view
+from ncdc.cli.view import add_stabilisation, add_view, view_of
 from ncdc.terminal import Progress, percent, say
 from ncdc_model.correction import MODELS, coloured, correct, default_model
 from ncdc_model.images import check_suffix, is_film, write_image
@@ -79,16 +79,17 @@ def run(args) -> None:
 
 def _correct_one(args, path):
     check_suffix(args.output)
-    check_no_view(args)
     choice = colour_choice(args)
     descriptor = Descriptor.load(args.descriptor)
+    chosen = view_of(args, descriptor)
+    view = chosen.fixed if chosen else None
     raw, note = raw_frame(path, descriptor.geometry, args.raw, args.bits)
     model = args.model or default_model(say)
 
     @cache
     def corrected_with(raw_gains):
         return correct(descriptor, raw, percent(Progress("correcting")),
-                       crest=CRESTS[args.crest], raw_gains=raw_gains, model=model)
+                       crest=CRESTS[args.crest], raw_gains=raw_gains, model=model, view=view)
 
     colour = choice(corrected_with) if choice else None
     corrected = corrected_with(colour.raw_gains if colour else NO_RAW_GAINS)
@@ -99,10 +100,12 @@ def _correct_one(args, path):
     report = {"hidden_neurons": descriptor.hidden_neurons, "pixels": corrected.blank.size,
               "pixels_blank": int(corrected.blank.sum()), "windows_fetched": corrected.fetches,
               "fetch": "multiport", "model": model,
-              **(colour_report(args, colour) if colour else {})}
+              **(colour_report(args, colour) if colour else {}),
+              **(chosen.report if chosen else {})}
     if not write_report(report, args.json):
         share = 100 * corrected.blank.mean()
-        print(f"{args.output}: {'x'.join(map(str, descriptor.geometry.corrected))} pixels, "
+        size = chosen.size if chosen else descriptor.geometry.corrected
+        print(f"{args.output}: {'x'.join(map(str, size))} pixels, "
               f"{share:.1f} % without a source")
         if colour:
             print(colour_line(args, colour))

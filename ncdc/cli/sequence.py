@@ -13,7 +13,7 @@ import numpy as np
 
 from ncdc.cli.colour import colour_choice, colour_line, colour_report
 from ncdc.cli.common import raw_frame, write_report
-from ncdc.cli.view import check_no_view, view_of
+from ncdc.cli.view import view_of
 from ncdc.terminal import Progress, Steps, say
 from ncdc_model.correction import coloured, correct, correction_of, default_model
 from ncdc_model.images import FILMS, is_film, mosaic, write_image
@@ -80,10 +80,12 @@ class _Sequence:
 
     def picture(self, raw):
         """The corrected picture of a raw frame; one white balance, the first frame's, for all."""
+        view = self.view.fixed if self.view else None
+
         @cache
         def corrected_with(raw_gains):
             return correct(self.descriptor, raw, crest=CRESTS[self.args.crest],
-                           raw_gains=raw_gains, model=self.model)
+                           raw_gains=raw_gains, model=self.model, view=view)
 
         if self._choice and not self.count:
             self.colour = self._choice(corrected_with)
@@ -109,7 +111,6 @@ class _Sequence:
 
 def correct_files(args, paths):
     """Correct picture files into the folder ``args.output``, each as PNG of its own name."""
-    check_no_view(args)
     folder = Path(args.output)
     targets = [folder / f"{Path(path).stem}.png" for path in paths]
     for path, target in zip(paths, targets):
@@ -173,8 +174,6 @@ def _film_change(args, name):
     sequence = _Sequence(args)
     geometry = sequence.descriptor.geometry
     if args.film == _MOSAIC:
-        check_no_view(args)
-
         def change(picture, seconds):
             return sequence.picture(mosaic(picture, geometry.bayer))
     else:
@@ -218,7 +217,6 @@ def _remapping(sequence, kernel):
 
 def correct_stream(args):
     """Correct raw frames on standard input into a film, or into bare RGB on standard output."""
-    check_no_view(args)
     if args.raw is None:
         raise InputError("raw frames on standard input need --raw, as in --raw 1280x1024:RGGB:8")
     if args.output == "-" == args.json:
@@ -230,7 +228,7 @@ def correct_stream(args):
     if dump.bayer != geometry.bayer:
         raise InputError(f"the raw frames have the pattern {dump.bayer}, the descriptor "
                          f"{geometry.bayer}")
-    with _sink(args, geometry.corrected) as write:
+    with _sink(args, sequence.size) as write:
         while content := sys.stdin.buffer.read(dump.frame_bytes):
             if len(content) < dump.frame_bytes:
                 say(f"the last frame is left out, it has {len(content)} of {dump.frame_bytes} "

@@ -7,9 +7,9 @@ from ncdc_model.stabilise.stabiliser import Stabiliser
 from ncdc_model.view_map import view_map
 from ncdc_spec.errors import InputError
 from ncdc_spec.geometry import MAX_SIZE, MIN_SIZE
-from ncdc_spec.view_matrix import LIMITS, Angles, PlaneCamera, view_matrix
+from ncdc_spec.view_matrix import LIMITS, Angles, PlaneCamera, view_looking, view_matrix
 
-__all__ = ["add_stabilisation", "add_view", "check_no_view", "view_of"]
+__all__ = ["add_stabilisation", "add_view", "view_of"]
 
 _STABILISATION = {"gyro_axes": "x,y,z", "gyro_offset": 0.0, "readout_ms": 0.0, "smooth": 0.5}
 _TEXTS = {"pan": "degrees to the right", "tilt": "degrees up", "roll": "degrees clockwise",
@@ -45,7 +45,7 @@ def add_stabilisation(parser):
 
 
 def view_of(args, descriptor):
-    """The :class:`View` of the options; None without them.
+    """The :class:`ChosenView` of the options; None without them.
 
     Raises
     ------
@@ -60,19 +60,10 @@ def view_of(args, descriptor):
                 raise InputError(f"--{name.replace('_', '-')} is given, it needs --gyro")
         if not given and args.view_size is None:
             return None
-    return View(args, descriptor, Angles(**given))
+    return ChosenView(args, descriptor, Angles(**given))
 
 
-def check_no_view(args):
-    """Raise :class:`InputError` if there is an option of a view, which a film's colours have."""
-    named = [name for name in (*LIMITS, "view_size", "gyro", *_STABILISATION)
-             if getattr(args, name) is not None]
-    if named:
-        raise InputError(f"--{named[0].replace('_', '-')} is given, a view needs a film that is "
-                         f"remapped in its colours (--film bilinear or lanczos)")
-
-
-class View:
+class ChosenView:
     """A view that the options ask for.
 
     Attributes
@@ -80,15 +71,14 @@ class View:
     size : (int, int)
         Width and height in pixels.
     angles : Angles
-    matrix : ndarray, shape (3, 3)
-        See :func:`ncdc_spec.view_matrix.view_matrix`.
     stabiliser : Stabiliser or None
+        Only films that are remapped in their colours are stabilised.
     """
     def __init__(self, args, descriptor, angles):
         trained = PlaneCamera.of(descriptor)
         camera = trained.view(_size(args.view_size), angles.zoom)
         self._descriptor, self.size, self.angles = descriptor, camera.size, angles
-        self.matrix = view_matrix(trained, camera, angles.rotation)
+        self._matrix = view_matrix(trained, camera, angles.rotation)
         self.stabiliser = self._still = None
         if args.gyro is not None:
             axes, offset, readout, smoothing = (
@@ -103,8 +93,22 @@ class View:
         if self.stabiliser:
             return view_map(self._descriptor, self.size, self.stabiliser.matrices(seconds))
         if self._still is None:
-            self._still = view_map(self._descriptor, self.size, self.matrix)
+            self._still = view_map(self._descriptor, self.size, self._matrix)
         return self._still
+
+    @property
+    def fixed(self):
+        """The :class:`~ncdc_spec.view.View` of the integer models.
+
+        Raises
+        ------
+        InputError
+            If the film is to be stabilised, which they do not, or the numbers are beyond theirs.
+        """
+        if self.stabiliser:
+            raise InputError("--gyro is given, it needs a film that is remapped in its colours "
+                             "(--film bilinear or lanczos)")
+        return view_looking(self._descriptor, self.angles, self.size)
 
     @property
     def report(self):

@@ -1,6 +1,8 @@
 """``ncdc correct``: views, and films of a shaking camera."""
 
+import io
 import json
+import sys
 from fractions import Fraction
 
 import cv2
@@ -8,7 +10,10 @@ import numpy as np
 import pytest
 
 from ncdc.cli import main
+from ncdc_model.golden.corrector import correct
+from ncdc_model.images import read_image, write_image
 from ncdc_model.view_map import view_map
+from ncdc_spec.view import View
 from ncdc_spec.view_matrix import Angles, PlaneCamera, view_matrix
 from views import SIZE, seen_lens
 
@@ -69,6 +74,49 @@ def test_a_view_of_a_film(film, lens):
     assert report["pictures"] == COUNT == len(made)
     assert report["view"] == {"pan": -12, "tilt": 4, "roll": 8, "zoom": 1.3, "width": 72,
                               "height": 40, "stabilised": False}
+
+
+def golden(lens, raw, size, **angles):
+    """The picture of the golden model, by a matrix of SciPy's rotation."""
+    from scipy.spatial.transform import Rotation
+    angles = {"pan": 0, "tilt": 0, "roll": 0, "zoom": 1, **angles}
+    turn = Rotation.from_euler("YXZ", [angles[name] for name in ("pan", "tilt", "roll")],
+                               degrees=True).as_matrix()
+    scale = size[0] / SIZE[0]
+    focal, middle = 60 * scale * angles["zoom"], (np.array(size) - 1) / 2
+    centre = middle + scale * (np.array([46.5, 33]) - (np.array(SIZE) - 1) / 2)
+    own = np.array([[60, 0, 46.5], [0, 60, 33], [0, 0, 1]])
+    view = np.array([[focal, 0, centre[0]], [0, focal, centre[1]], [0, 0, 1]])
+    return correct(lens, raw, view=View.of(own @ turn @ np.linalg.inv(view), size)).picture
+
+
+def test_pictures_and_streams_are_the_golden_model_s(lens, tmp_path, monkeypatch, capsysbinary):
+    monkeypatch.chdir(tmp_path)
+    lens.save("net.toml")
+    raws = np.random.default_rng(1).integers(0, 256, (2, *SIZE[::-1]), np.uint8)
+    for k, raw in enumerate(raws):
+        write_image(f"frames/{k}.png", raw)
+    options = ["--pan", "12", "--tilt", "-4", "--roll", "8", "--zoom", "1.3"]
+    options += ["--view-size", "72x40"]
+    wanted = [golden(lens, raw, (72, 40), pan=12, tilt=-4, roll=8, zoom=1.3) for raw in raws]
+    assert main(["correct", "net.toml", "frames/0.png", "-o", "one.png", "--json", "report.json",
+                 *options]) == 0
+    np.testing.assert_array_equal(read_image("one.png"), wanted[0])
+    assert json.loads(open("report.json").read())["pixels"] == 72 * 40
+    assert main(["correct", "net.toml", "frames", "-o", "out", *options]) == 0
+    np.testing.assert_array_equal(read_image("out/1.png"), wanted[1])
+    capsysbinary.readouterr()
+    monkeypatch.setattr(sys, "stdin", io.TextIOWrapper(io.BytesIO(raws.tobytes())))
+    assert main(["correct", "net.toml", "-", "--raw", "96x64:RGGB:8", "-o", "-", *options]) == 0
+    assert capsysbinary.readouterr().out == b"".join(one.tobytes() for one in wanted)
+
+
+def test_a_film_as_raw_frames_is_not_stabilised(film, capsys):
+    open("still.csv", "w").write("\n".join([HEAD, *(f"{k / 20},0,0,0" for k in range(21))]))
+    command = ["correct", "net.toml", "clip.mp4", "-o", "view.mp4", "--film", "mosaic"]
+    assert main([*command, "--pan", "5"]) == 0
+    assert main([*command, "--gyro", "still.csv"]) == 2
+    assert "--gyro is given, it needs a film that is remapped" in capsys.readouterr().err
 
 
 def test_a_film_of_a_camera_that_pans(film, lens):

@@ -2,12 +2,13 @@
 
 import itertools
 import os
+from dataclasses import replace
 
 from cameras import barrel_descriptor
 from ncdc_host.device.emulated import DeviceOptions, EmulatedDevice, lens_corrections
 from ncdc_model.example import noise_picture
 
-__all__ = ["SIZE", "device", "loopback_address", "small_lens"]
+__all__ = ["SIZE", "device", "loopback_address", "small_lens", "view_lens"]
 
 SIZE = (64, 48)
 _numbers = itertools.count(1)
@@ -22,6 +23,11 @@ def loopback_address():
 def small_lens(seed=1, **geometry):
     """A descriptor of 64x48 pixels."""
     return barrel_descriptor(SIZE, SIZE, seed=seed, **geometry)
+
+
+def view_lens(seed=1, focal=41.257):
+    """The same at nodes, with a focal length: a lens of a device with a view."""
+    return replace(small_lens(seed), nodes=8, provenance={"frame": [focal, 31.0, 24.5]})
 
 
 def device(descriptors=None, image=None, **options):

@@ -13,9 +13,9 @@ SIZE = 96, 64
 
 
 def seen_lens(size=SIZE, focal=60.0, centre=(46.5, 33.0), **geometry):
-    """A small descriptor with a focal length, a little off the middle."""
+    """A small descriptor at nodes, with a focal length and a centre a little off the middle."""
     return replace(barrel_descriptor(size, size, hidden_neurons=16, strength=.4, **geometry),
-                   provenance={"frame": [focal, *centre]})
+                   nodes=8, provenance={"frame": [focal, *centre]})
 
 
 def shaking(times, degrees, seed=1):

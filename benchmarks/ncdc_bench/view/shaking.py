@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ncdc_model.example import example_camera
-from ncdc_model.example.render import SUBSAMPLES, expose, ideal_samples
+from ncdc_model.example.render import SUBSAMPLES, expose
 from ncdc_model.lens import Camera
 from ncdc_model.stabilise.orientation import Gyroscope
 from ncdc_model.stabilise.quaternions import matrices, multiply, of_vectors

@@ -1,8 +1,7 @@
 """How still a point of the scene stands in the pictures of a shaking camera."""
 
-from dataclasses import replace
-from tempfile import TemporaryDirectory
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 import cv2
 import numpy as np
@@ -15,7 +14,7 @@ from ncdc_model.training.choices import TrainingChoices
 from ncdc_model.training.pipeline import train_camera
 from ncdc_model.training.source import load_source
 from ncdc_model.view_map import view_map
-from ncdc_spec.view_matrix import Angles, PlaneCamera, view_matrix
+from ncdc_spec.view_matrix import PlaneCamera
 
 __all__ = ["steadiness", "trained_lens"]
 
@@ -62,8 +61,8 @@ def steadiness(descriptor, frames, degrees=3.0, smoothing=0.5, progress=lambda f
     gyroscope = shaking.shake.gyroscope(-_LEAD, frames / _FPS + _LEAD)
     trained = PlaneCamera.of(descriptor)
     view = trained.view()
-    stabiliser = Stabiliser(gyroscope, trained, view, np.eye(3), descriptor.geometry.distorted_height,
-                            _READOUT, 0.0, smoothing)
+    stabiliser = Stabiliser(gyroscope, trained, view, np.eye(3),
+                            descriptor.geometry.distorted_height, _READOUT, 0.0, smoothing)
     grid = _PITCH * np.arange(-_FIELD, _FIELD + 1)
     rays = np.stack([*np.meshgrid(grid, grid), np.ones((len(grid),) * 2)], axis=-1).reshape(-1, 3)
     samples = ideal_samples(shaking.camera)

@@ -11,10 +11,11 @@ import numpy as np
 from ncdc_host.device.auto_control import level_of
 from ncdc_host.device.registers import Settings
 from ncdc_host.device.sensor import Exposure, expose
-from ncdc_model.correction import coloured
+from ncdc_model.correction import coloured, correction_of
 from ncdc_model.golden.colour import ColourSums
 from ncdc_spec.colour import Colour
 from ncdc_spec.pixel_formats import PixelFormat, packed
+from ncdc_spec.view_matrix import Angles, view_looking
 
 __all__ = ["Camera", "Frame", "Picture", "picture_of"]
 
@@ -172,7 +173,8 @@ class Camera:
         # Read noise repeats with the scene; a still photo has eight patterns of it.
         seed = position or number % 8
         key = (settings.view, settings.lens, id(corrections[settings.lens]), settings.exposure_ns,
-               settings.gain_eighths, settings.pattern, settings.colour, position, seed)
+               settings.gain_eighths, settings.pattern, settings.colour, settings.angles, position,
+               seed)
         if key in self._pictures:
             self._pictures.move_to_end(key)
             return self._pictures[key]
@@ -203,7 +205,7 @@ def picture_of(raw, settings, correction):
     if view.pixel_format.raw:
         raw = raw[view.y:view.y + view.height, view.x:view.x + view.width]
     else:
-        corrected = correction(raw, settings.colour.crest)
+        corrected = _looking(correction, settings.angles)(raw, settings.colour.crest)
         sums = _sums(corrected, correction.descriptor.geometry.fill)
         whole = corrected.picture
         if settings.colour != Colour():
@@ -214,6 +216,14 @@ def picture_of(raw, settings, correction):
         whole = whole[::-1]
     part = whole[view.y:view.y + view.height, view.x:view.x + view.width]
     return Picture(packed(part, view.pixel_format), level_of(raw), sums)
+
+
+def _looking(correction, angles):
+    """The :class:`Correction` of a view of the same lens."""
+    if angles == Angles():
+        return correction
+    view = view_looking(correction.descriptor, angles)
+    return correction_of(correction.descriptor, correction.model, view)
 
 
 def _sums(corrected, fill):
