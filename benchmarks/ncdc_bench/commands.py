@@ -15,6 +15,7 @@ from ncdc_bench.system import command as system
 from ncdc_bench.tansig import command as tansig
 from ncdc_bench.throughput import command as throughput
 from ncdc_bench.truth import command as truth
+from ncdc_bench.view import command as view
 from ncdc_bench.window import command as window
 
 __all__ = ["BENCHES"]
@@ -22,4 +23,5 @@ __all__ = ["BENCHES"]
 BENCHES = {"accuracy": accuracy, "calibration": calibration, "client": client, "grid": grid,
            "lines": lines, "model": model, "network": network, "nodes": nodes, "photos": photos,
            "pictures": pictures, "synth": synth, "system": system, "tansig": tansig,
-           "throughput": throughput, "truth": truth, "window": window}
+           "throughput": throughput, "truth": truth, "view": view,
+           "window": window}

@@ -6,7 +6,7 @@ from tempfile import TemporaryDirectory
 import cv2
 import numpy as np
 
-from ncdc_bench.view.shaking import Shake, ShakingCamera, small_camera
+from ncdc_bench.view.shaking import Shake, ShakingCamera
 from ncdc_model.example.render import ideal_samples
 from ncdc_model.stabilise.quaternions import matrices
 from ncdc_model.stabilise.stabiliser import Stabiliser
@@ -18,7 +18,7 @@ from ncdc_spec.view_matrix import PlaneCamera
 
 __all__ = ["steadiness", "trained_lens"]
 
-_FPS, _READOUT = 30.0, 0.016
+_DEGREES, _FPS, _READOUT = 3.0, 30.0, 0.016
 _NEURONS, _STARTS = 8, 4
 _PITCH, _RADIUS = 0.16, 0.03    # of the discs, in units of the plane at distance 1
 _EDGE = 0.006                   # width of a disc's edge
@@ -45,51 +45,59 @@ def discs(a, b):
     return np.repeat(level[..., None], 3, axis=-1)
 
 
-def steadiness(descriptor, frames, degrees=3.0, smoothing=0.5, progress=lambda fraction: None):
+def steadiness(camera, descriptor, frames, smoothing=0.5, progress=lambda fraction: None):
     """Movement of points from frame to frame, with stabilisation and without.
+
+    Parameters
+    ----------
+    camera : ncdc_model.lens.Camera
+    descriptor : Descriptor
+        Trained for it.
+    frames : int
+    smoothing : float
+        As of :class:`~ncdc_model.stabilise.stabiliser.Stabiliser`, seconds.
 
     Returns
     -------
     dict
         ``frames``, ``points``; ``shake_degrees_rms`` about each axis, ``shake_rate_rms`` in
-        degrees per second, ``readout_ms``; ``moved_px_rms`` with stabilisation and
-        ``moved_px_rms_without``: of the distance between a point's places in two successive
-        pictures, in pixels; ``moved_px_max``; ``off_px_rms``, ``off_px_max``: distance from the
-        place that the view should show a point at.
+        degrees per second, ``readout_ms``. ``moved_px_rms``: of the distance between a point's
+        places in two successive pictures, in pixels; ``moved_px_max``; ``moved_px_rms_frame``: with
+        one matrix for all rows of a frame, ``moved_px_rms_without``: without stabilisation.
+        ``off_px_rms``, ``off_px_max``: distance from where the view should show a point.
     """
-    shaking = ShakingCamera(small_camera(), Shake(degrees), _READOUT)
+    shaking = ShakingCamera(camera, Shake(_DEGREES), _READOUT)
     gyroscope = shaking.shake.gyroscope(-_LEAD, frames / _FPS + _LEAD)
     trained = PlaneCamera.of(descriptor)
-    view = trained.view()
-    stabiliser = Stabiliser(gyroscope, trained, view, np.eye(3),
+    stabiliser = Stabiliser(gyroscope, trained, trained, np.eye(3),
                             descriptor.geometry.distorted_height, _READOUT, 0.0, smoothing)
     grid = _PITCH * np.arange(-_FIELD, _FIELD + 1)
     rays = np.stack([*np.meshgrid(grid, grid), np.ones((len(grid),) * 2)], axis=-1).reshape(-1, 3)
-    samples = ideal_samples(shaking.camera)
-    still = view_map(descriptor, view.size, np.eye(3))
+    samples = ideal_samples(camera)
     origin = matrices(shaking.shake.orientation(-_LEAD))
-    held, free, wanted = [], [], []
+    places = {"held": [], "frame": [], "free": [], "wanted": []}
     for k in range(frames):
         seconds = k / _FPS
         raw = np.clip(np.rint(shaking.frame(seconds, samples, discs)), 0, 255).astype(np.uint8)
         steady = origin @ matrices(gyroscope.smooth(seconds + _READOUT / 2, smoothing))
-        places = _pixels(view, rays @ steady)
-        wanted.append(places)
-        held.append(_centres(raw, view_map(descriptor, view.size, stabiliser.matrices(seconds)),
-                             places, view.focal))
-        free.append(_centres(raw, still, _pixels(view, shaking.direction(rays, seconds)),
-                             view.focal))
+        held, rows = _pixels(trained, rays @ steady), stabiliser.matrices(seconds)
+        places["wanted"].append(held)
+        for name, matrix, near in (
+                ("held", rows, held), ("frame", rows[len(rows) // 2], held),
+                ("free", np.eye(3), _pixels(trained, shaking.direction(rays, seconds)))):
+            maps = view_map(descriptor, trained.size, matrix)
+            places[name].append(_centres(raw, maps, near, trained.focal))
         progress((k + 1) / frames)
-    held, free, wanted = np.array(held), np.array(free), np.array(wanted)
-    off = np.linalg.norm(held - wanted, axis=-1)
-    moved = np.linalg.norm(np.diff(held, axis=0), axis=-1)
-    without = np.linalg.norm(np.diff(free, axis=0), axis=-1)
-    seen = np.isfinite(moved)
-    return {"frames": frames, "points": int(seen.any(axis=0).sum()),
-            "shake_degrees_rms": degrees, "readout_ms": 1000 * _READOUT,
+    places = {name: np.array(found) for name, found in places.items()}
+    off = np.linalg.norm(places["held"] - places["wanted"], axis=-1)
+    moved = {name: np.linalg.norm(np.diff(found, axis=0), axis=-1)
+             for name, found in places.items()}
+    return {"frames": frames, "points": int(np.isfinite(moved["held"]).any(axis=0).sum()),
+            "shake_degrees_rms": _DEGREES, "readout_ms": 1000 * _READOUT,
             "shake_rate_rms": float(np.degrees(np.sqrt((gyroscope.rates**2).mean()))),
-            "moved_px_rms": _rms(moved), "moved_px_max": float(np.nanmax(moved)),
-            "moved_px_rms_without": _rms(without),
+            "moved_px_rms": _rms(moved["held"]), "moved_px_max": float(np.nanmax(moved["held"])),
+            "moved_px_rms_frame": _rms(moved["frame"]),
+            "moved_px_rms_without": _rms(moved["free"]),
             "off_px_rms": _rms(off), "off_px_max": float(np.nanmax(off))}
 
 
