@@ -13,7 +13,7 @@ from ncdc.cli.sequence import (
     correct_stream,
     listed,
 )
-from ncdc.cli.view import add_stabilisation, add_view, view_of
+from ncdc.cli.view_angles import add_stabilisation, add_view, view_of
 from ncdc.terminal import Progress, percent, say
 from ncdc_model.correction import MODELS, coloured, correct, default_model
 from ncdc_model.images import check_suffix, is_film, write_image

@@ -13,7 +13,7 @@ import numpy as np
 
 from ncdc.cli.colour import colour_choice, colour_line, colour_report
 from ncdc.cli.common import raw_frame, write_report
-from ncdc.cli.view import view_of
+from ncdc.cli.view_angles import view_of
 from ncdc.terminal import Progress, Steps, say
 from ncdc_model.correction import coloured, correct, correction_of, default_model
 from ncdc_model.images import FILMS, is_film, mosaic, write_image

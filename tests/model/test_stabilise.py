@@ -12,7 +12,7 @@ from ncdc_model.stabilise.stabiliser import Stabiliser
 from ncdc_model.view_map import view_map
 from ncdc_spec.errors import InputError
 from ncdc_spec.view_matrix import Angles, PlaneCamera
-from views import SIZE, seen_lens, shaking
+from plane_lens import SIZE, seen_lens, shaking
 
 HEAD = "time_s,x_rad_s,y_rad_s,z_rad_s"
 

@@ -10,7 +10,7 @@ from ncdc_model.evaluate import float_map
 from ncdc_model.view_map import plane_points, view_map
 from ncdc_spec.errors import InputError
 from ncdc_spec.view_matrix import LIMITS, Angles, PlaneCamera, view_matrix
-from views import SIZE, seen_lens
+from plane_lens import SIZE, seen_lens
 
 TRAINED = PlaneCamera(SIZE, 60.0, (46.5, 33.0), 1.1)
 

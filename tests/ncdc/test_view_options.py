@@ -15,7 +15,7 @@ from ncdc_model.images import read_image, write_image
 from ncdc_model.view_map import view_map
 from ncdc_spec.view import View
 from ncdc_spec.view_matrix import Angles, PlaneCamera, view_matrix
-from views import SIZE, seen_lens
+from plane_lens import SIZE, seen_lens
 
 COUNT = 4
 HEAD = "time_s,x_rad_s,y_rad_s,z_rad_s"
