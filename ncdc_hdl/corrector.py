@@ -21,6 +21,7 @@ from ncdc_hdl.frontend.backmap import BackMap
 from ncdc_hdl.frontend.layouts import SIZE, coordinate_layout
 from ncdc_hdl.frontend.node_backmap import NodeBackMap
 from ncdc_hdl.frontend.valid import ValidTable
+from ncdc_hdl.frontend.view_table import ViewTable
 from ncdc_hdl.lib.credits import CreditQueue
 from ncdc_hdl.lib.groups import lanes_of
 from ncdc_hdl.lib.pipeline import delay, register
@@ -43,6 +44,8 @@ from ncdc_spec.registers.register_map import (
     registers,
 )
 from ncdc_spec.tone import NODE_POSITIONS
+from ncdc_spec.view import NAMES as VIEW_NAMES
+from ncdc_spec.view import PLANE_HEIGHT
 
 __all__ = ["Corrector"]
 
@@ -111,7 +114,8 @@ class Corrector(wiring.Component):
         else:
             self.backmap = NodeBackMap(descriptor.hidden_neurons, formats, descriptor.nodes,
                                        variant=descriptor.variant, hardware=self.hardware)
-        self.table = ValidTable(descriptor.valid, *descriptor.geometry.corrected)
+        table = descriptor.valid, *descriptor.geometry.corrected
+        self.table = ViewTable(*table, lanes) if hardware.view else ValidTable(*table)
         needs = descriptor.geometry.interpolation
         f_bits = formats.coordinate.f_bits
         # Without relays the gate's comparison would stall the windows' stages, and these the
@@ -125,7 +129,7 @@ class Corrector(wiring.Component):
         self.interpolator = Interpolator(f_bits, lanes, needs, hardware.colour,
                                          self.fetch.window_latency)
         rows = registers(descriptor.hidden_neurons, formats, descriptor.nodes, hardware.colour,
-                         hardware.raw_balance)
+                         hardware.raw_balance, hardware.view)
         self.registers = Registers(
             rows, host_values(descriptor, self.hardware), digest=int(descriptor.digest[:8], 16),
             hidden_neurons=descriptor.hidden_neurons, nodes=descriptor.nodes,
@@ -201,7 +205,11 @@ class Corrector(wiring.Component):
             join(m, self, f"read{r}", getattr(self.fetch, f"bus{r}"))
         m.d.comb += [self.irq.eq(registers.irq), self.front_end_idle.eq(self.backmap.idle)]
         m.d.comb += self.table.bank.eq(active.VALID_BANK)
-        wiring.connect(m, scan=self.backmap.table, table=self.table.scan)
+        if self.hardware.view:
+            for lane, table in zip(self.backmap.table, self.table.scan):
+                wiring.connect(m, scan=lane, table=table)
+        else:
+            wiring.connect(m, scan=self.backmap.table, table=self.table.scan)
         wiring.connect(m, host=registers.valid_table, table=self.table.host)
         self._parameters(m, active)
         reject = self._reject(m, begun, active)
@@ -348,6 +356,11 @@ class Corrector(wiring.Component):
             m.d.comb += [self.fetch.balance.phase.eq(active.BAYER_PHASE),
                          *(self.fetch.balance.gains[c].eq(active[name])
                            for c, name in enumerate(RAW_GAINS))]
+        if self.hardware.view:
+            m.d.comb += [self.backmap.view.matrix[row][column].eq(active[name])
+                         for row, names in enumerate(VIEW_NAMES)
+                         for column, name in enumerate(names)]
+            m.d.comb += self.backmap.view.plane_height.eq(active[PLANE_HEIGHT])
         if "phase" in self.fetch.signature.members:
             m.d.comb += self.fetch.phase.eq(active.BAYER_PHASE[:2])
         if "writes" in self.backmap.signature.members:

@@ -11,7 +11,7 @@ from ncdc_spec.nodes import NODES, nodes_fit, row_nodes
 from ncdc_spec.view import check_view_nodes
 
 __all__ = ["BUSES", "DATA_WIDTHS", "FETCHERS", "FORMATS", "HIDDEN", "LANES", "MULTIPLIER_BITS",
-           "NODE_CLOCKS", "OUTPUTS", "VIDEOS", "Hardware", "check_lanes"]
+           "OUTPUTS", "VIDEOS", "Hardware", "check_lanes"]
 
 DATA_WIDTHS = (32, 64, 128)
 OUTPUTS = ("memory", "stream")
@@ -23,6 +23,7 @@ FORMATS = tuple(OUTPUT_FORMATS)
 BUSES = ("avalon", "axi")
 VIDEOS = ("plain", "vip")
 NODE_CLOCKS = 2         # that a node takes at least: its scan adds up the next one meanwhile
+VIEW_NODE_CLOCKS = 3    # with a view, whose scan adds up three coordinates in turn
 
 
 @dataclass(frozen=True)
@@ -149,6 +150,11 @@ class Hardware:
         """Whether raw windows come from the tile cache."""
         return self.fetcher == "cache"
 
+    @property
+    def min_node_clocks(self):
+        """Clocks that a node takes at least."""
+        return VIEW_NODE_CLOCKS if self.view else NODE_CLOCKS
+
     def cache_for(self, geometry):
         """Sizes of the tile cache for a camera of ``geometry``."""
         return self.cache or CacheOptions.for_width(geometry.distorted_width,
@@ -218,7 +224,7 @@ class Hardware:
         """
         width = descriptor.geometry.corrected_width
         columns = min(self.strip or width, width)
-        return (columns // self.lanes, max(self.share_for(descriptor), NODE_CLOCKS)
+        return (columns // self.lanes, max(self.share_for(descriptor), self.min_node_clocks)
                 * row_nodes(columns, descriptor.nodes))
 
     def keeps_rate(self, descriptor):

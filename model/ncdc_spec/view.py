@@ -10,7 +10,7 @@ from ncdc_spec.geometry import MAX_SIZE, MIN_SIZE
 from ncdc_spec.nodes import AFTER, BEFORE, NODES
 
 __all__ = ["COLUMN", "DEPTH_SHIFTS", "FORMATS", "NAMES", "NODE", "NUMERATOR", "PLANE",
-           "PLANE_HEIGHT", "VIEW_REGISTERS", "View", "check_view_nodes", "view_values"]
+           "PLANE_HEIGHT", "SUM_BITS", "VIEW_REGISTERS", "View", "check_view_nodes", "view_values"]
 
 _POSITION, _POSITION_STEP = Q(15, 17), Q(5, 27)
 _DEPTH, _DEPTH_STEP = Q(2, 30), Q(-3, 35)
@@ -30,6 +30,12 @@ VIEW_REGISTERS = tuple(name for row in NAMES for name in row)
 
 DEPTH_SHIFTS = 7
 """Depths of nodes are from 2**-7 to below 2; others have no source."""
+
+SUM_BITS = 46
+"""Of X, Y and Z at any node of any matrix, in the fraction bits of their steps.
+
+Steps end at 2**31, and a node is at most 4160 columns and 4095 rows from the origin.
+"""
 
 NUMERATOR = Q(15, 12)
 """Of X and Y, shifted like a depth that is shifted to 1..2."""

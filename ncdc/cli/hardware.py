@@ -15,7 +15,6 @@ from ncdc_spec.hardware import (
     HIDDEN,
     LANES,
     MULTIPLIER_BITS,
-    NODE_CLOCKS,
     OUTPUTS,
     VIDEOS,
     Hardware,
@@ -133,8 +132,8 @@ def front_end_line(hardware, descriptor):
     width = d.geometry.corrected_width
     columns = min(hardware.strip or width, width)
     return (f"network at every {d.nodes}th pixel: {row_nodes(columns, d.nodes)} nodes for "
-            f"{columns} columns, a node every {max(share, NODE_CLOCKS)} clocks from {units} "
-            f"tan-sigmoid{'s' if units > 1 else ''} for {d.hidden_neurons} neurons, "
+            f"{columns} columns, a node every {max(share, hardware.min_node_clocks)} clocks from "
+            f"{units} tan-sigmoid{'s' if units > 1 else ''} for {d.hidden_neurons} neurons, "
             f"{hardware.node_clocks(d)} would be enough"
             + ("" if hardware.keeps_rate(d) else _waits(hardware, d)))
 

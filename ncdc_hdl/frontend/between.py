@@ -6,7 +6,7 @@ from amaranth.lib.wiring import In, Out
 from amaranth.utils import exact_log2
 
 from ncdc_hdl.frontend.node_network import node_layout
-from ncdc_hdl.frontend.segments import AXES, Segments
+from ncdc_hdl.frontend.segments import Segments
 from ncdc_hdl.lib.fixed import saturate
 from ncdc_hdl.lib.pipeline import delay, register
 
@@ -28,16 +28,13 @@ class NodesToCoordinates(wiring.Component):
 
     Parameters
     ----------
-    formats : ncdc_spec.descriptor.Formats
-        Formats at nodes.
-    coarse : ncdc_spec.fixed.Q
-        Format of the coordinates.
-    nodes, lanes : int
-        Distance of the nodes; pixels of a group.
+    axes, coarse, nodes : as for :class:`Segments`
+    lanes : int
+        Pixels of a group.
 
     Members
     -------
-    i : ``In(stream.Signature(node_layout(formats)))``
+    i : ``In(stream.Signature(node_layout(axes)))``
     flush : ``In(1)``
         Nodes and segments are dropped.
     ready : ``Out(1)``
@@ -46,22 +43,23 @@ class NodesToCoordinates(wiring.Component):
         The next group's coordinates are computed.
     begins : ``In(1)``
         Only with ``advance``: it is the first group after a node.
-    o : ``Out(ArrayLayout({x, y}, lanes))``
+    o : ``Out(ArrayLayout({name: format}, lanes))``
+        Of each axis in ``coarse``.
+    fits : ``Out(1)``
+        All four nodes around the group of ``o`` fit (only with a view).
     """
 
-    def __init__(self, formats, coarse, nodes, lanes=1):
+    def __init__(self, axes, coarse, nodes, lanes=1):
         self.coarse, self.nodes, self.lanes = coarse, nodes, lanes
-        self.segments = Segments(formats, coarse, nodes)
+        self.segments = Segments(axes, coarse, nodes)
         self.scale = 2 + 2 * exact_log2(nodes)          # 4 S^2 as a shift
-        self.drop = self.scale + formats.coordinate.f_bits - coarse.f_bits
-        # Between nodes the value may exceed them by a quarter of their difference.
-        self.shape = signed(formats.coordinate.width + 1 + self.scale)
+        fits = {"fits": Out(1)} if "column" in axes else {}
         super().__init__({
-            "i": In(stream.Signature(node_layout(formats))), "flush": In(1),
+            "i": In(stream.Signature(node_layout(axes))), "flush": In(1),
             "ready": Out(1), "advance": In(1), "begins": In(1),
             "o": Out(data.ArrayLayout(data.StructLayout(
-                {name: signed(coarse.width) for name in AXES}), lanes)),
-        })
+                {name: signed(q.width) for name, q in coarse.items()}), lanes)),
+        } | fits)
 
     @property
     def latency(self):
@@ -80,8 +78,13 @@ class NodesToCoordinates(wiring.Component):
         ]
         valid = delay(m, self.advance, _SUM_LATENCY, "slope_valid", reset_less=False)
         anew = delay(m, self.begins, _SUM_LATENCY, "slope_anew")
-        for name in AXES:
-            self._axis(m, name, valid, anew)
+        for name, fine in segments.axes.items():
+            self._axis(m, name, fine, valid, anew)
+        if "fits" in self.signature.members:
+            fits = Signal()                             # of the group that advances
+            begun = register(m, "begun_fits", fits)
+            m.d.comb += [fits.eq(Mux(self.begins, segments.o.p.fits, begun)),
+                         self.fits.eq(delay(m, fits, self.latency, "fits"))]
         return m
 
     @staticmethod
@@ -124,7 +127,11 @@ class NodesToCoordinates(wiring.Component):
             m.d.sync += high.eq(0)
         return o
 
-    def _axis(self, m, name, valid, anew):
+    def _axis(self, m, name, fine, valid, anew):
+        coarse = self.coarse[name]
+        drop = self.scale + fine.f_bits - coarse.f_bits
+        # Between nodes the value may exceed them by a quarter of their difference.
+        shape = signed(fine.width + 1 + self.scale)
         segment, lanes = self.segments.o.p[name], self.lanes
 
         def later(what, value, clocks=1):
@@ -157,17 +164,16 @@ class NodesToCoordinates(wiring.Component):
         enable = delay(m, valid, clocks, f"{name}_valid", reset_less=False)
         with m.If(enable):
             m.d.sync += step.eq(growth)
-        value = self._sum(m, f"{name}_value", self.shape, enable, begins, start << self.scale,
+        value = self._sum(m, f"{name}_value", shape, enable, begins, start << self.scale,
                           step)
         values = [value]
         if lanes > 1:
             # Lanes: each one's value, when it is there.
             parts = [later(f"ready{k}", part, _SUM_LATENCY - 1) for k, part in enumerate(parts, 1)]
             values = [later("lane0", value)] + [
-                register(m, f"{name}_lane{k}", value + later(f"late{k}", part), self.shape)
+                register(m, f"{name}_lane{k}", value + later(f"late{k}", part), shape)
                 for k, part in enumerate(parts, 1)]
         # Rounding: the half is part of the nodes' values.
         for k, total in enumerate(values):
             m.d.comb += self.o[k][name].eq(register(
-                m, f"{name}_o{k}", saturate((total >> self.drop), self.coarse),
-                signed(self.coarse.width)))
+                m, f"{name}_o{k}", saturate((total >> drop), coarse), signed(coarse.width)))

@@ -9,11 +9,22 @@ from ncdc_hdl.neural.banks import BANK_WRITES
 from ncdc_hdl.neural.layouts import hidden_layout, output_layout
 from ncdc_spec.geometry import MAX_SIZE, SCAN
 
-__all__ = ["SIZE", "SPANS", "coordinate_layout", "join_network", "network_layout",
-           "network_ports", "scan_layout"]
+__all__ = ["EDGES", "SIZE", "SPANS", "coordinate_layout", "join_network", "network_layout",
+           "network_ports", "scan_layout", "view_layout"]
 
 SIZE = range(MAX_SIZE + 1)                       # of a width, a height, the end of a span
 SPANS = data.StructLayout({"start0": SIZE, "stop0": SIZE, "start1": SIZE, "stop1": SIZE})
+
+# Of a node: it is the last of its row, in the last row of its strip; it is where the next strip's
+# first node will be, in the first row.
+EDGES = data.StructLayout({"last_column": 1, "last_row": 1, "next_strip": 1})
+
+
+def view_layout():
+    """The matrix of a view, row by row, raw in ``ncdc_spec.view.FORMATS``, and the trained
+    picture's rows."""
+    return data.StructLayout({
+        "matrix": data.ArrayLayout(data.ArrayLayout(signed(32), 3), 3), "plane_height": SIZE})
 
 
 def scan_layout():

@@ -4,26 +4,35 @@ from amaranth import *
 from amaranth.lib import data, stream, wiring
 from amaranth.lib.wiring import In, Out
 
-from ncdc_hdl.frontend.layouts import join_network, network_ports, scan_layout
+from ncdc_hdl.frontend.layouts import join_network, network_ports, scan_layout, view_layout
 from ncdc_hdl.frontend.node_scan import NodeScan
+from ncdc_hdl.frontend.view_transform import ViewTransform
 from ncdc_hdl.lib.credits import CreditQueue
 from ncdc_hdl.lib.pipeline import DelayMemory, delay, register
 from ncdc_hdl.neural.layers import MultiplyLayer, OutputLayer
 from ncdc_hdl.neural.tansig import Tansig
-from ncdc_spec.hardware import NODE_CLOCKS
+from ncdc_spec.view import NODE
 
-__all__ = ["NodeNetwork", "node_layout"]
+__all__ = ["NodeNetwork", "node_axes", "node_layout"]
 
 _SLACK = 16     # queue entries above those under way: for the credits, and a margin
 
 
-def node_layout(formats):
-    """A node's coordinate x', y' in pixels, and whether three nodes of its row precede it.
+def node_layout(axes):
+    """A node's values by the names of its ``axes``, and whether three nodes of its row precede it.
 
-    ``formats`` are those at nodes.
+    ``axes``: {name: format}. They are the coordinate x', y' in pixels; with a view also its
+    position in the trained picture, ``column`` and ``row``, and whether all of it ``fits``.
     """
-    q = formats.coordinate
-    return data.StructLayout({"x": signed(q.width), "y": signed(q.width), "whole": 1})
+    return data.StructLayout({
+        **{name: signed(q.width) for name, q in axes.items()}, "whole": 1,
+        **({"fits": 1} if "column" in axes else {})})
+
+
+def node_axes(formats, view=False):
+    """The axes of :func:`node_layout`; ``formats`` are those at nodes."""
+    return {"x": formats.coordinate, "y": formats.coordinate,
+            **({"column": NODE, "row": NODE} if view else {})}
 
 
 class NodeNetwork(wiring.Component):
@@ -43,13 +52,15 @@ class NodeNetwork(wiring.Component):
     variant : str
         Variant of the tan-sigmoid.
     hardware : ncdc_spec.hardware.Hardware
-        Its share and multiplier_bits are used.
+        Its share, multiplier_bits and view are used.
 
     Members
     -------
     start, stop, scan : as in :class:`NodeScan`; ``stop`` is held until the next ``start``
+    view : ``In(view_layout())``
+        As in :class:`ViewTransform` (only with a view).
     network, writes : see :func:`network_ports`
-    o : ``Out(stream.Signature(node_layout(formats)))``
+    o : ``Out(stream.Signature(node_layout(self.axes)))``
     quiet : ``Out(1)``
         No node is in the network or in the queue; rises some clocks late, but is low from the clock
         after the first issue.
@@ -59,8 +70,11 @@ class NodeNetwork(wiring.Component):
 
     def __init__(self, hidden_neurons, formats, nodes, variant, hardware):
         self.formats, self.share = formats, hardware.share or 1
-        self.interval = max(self.share, NODE_CLOCKS)
-        self.scanner = NodeScan(formats, nodes, self.interval)
+        self.interval = max(self.share, hardware.min_node_clocks)
+        self.scanner = NodeScan(formats, nodes, self.interval, hardware.view)
+        self.transform = (ViewTransform(formats.input, nodes, self.interval,
+                                        hardware.multiplier_bits) if hardware.view else None)
+        self.axes = node_axes(formats, hardware.view)
         self.hidden = MultiplyLayer(hidden_neurons, formats, self.share, hardware.multiplier_bits)
         self.tansig = [Tansig(formats.tansig_design(variant))
                        for _ in range(hardware.units(hidden_neurons))]
@@ -69,13 +83,18 @@ class NodeNetwork(wiring.Component):
         self.queued = max(32, 1 << (self.under_way + _SLACK - 1).bit_length())
         super().__init__({
             "start": In(1), "stop": In(1), "scan": In(scan_layout()),
-            "o": Out(stream.Signature(node_layout(formats))), "quiet": Out(1, init=1),
-            "idle": Out(1),
+            "o": Out(stream.Signature(node_layout(self.axes))), "quiet": Out(1, init=1),
+            "idle": Out(1), **({"view": In(view_layout())} if hardware.view else {}),
         } | network_ports(hidden_neurons, formats, hardware))
 
     @property
     def latency(self):
         """Clocks from a node's issue to its arrival in the queue."""
+        return self._network_latency + (self.transform.latency if self.transform else 0)
+
+    @property
+    def _network_latency(self):
+        """Clocks from a node at the hidden neurons to its arrival in the queue."""
         return self.hidden.latency + self.tansig[0].latency + self.output.latency
 
     def elaborate(self, platform):
@@ -83,26 +102,27 @@ class NodeNetwork(wiring.Component):
         m.submodules.scan = scan = self.scanner
         m.submodules.hidden, m.submodules.output = hidden, output = self.hidden, self.output
         m.submodules.queue = queue = CreditQueue(
-            node_layout(self.formats), depth=self.queued,
+            node_layout(self.axes), depth=self.queued,
             restart=max(self.under_way, self.queued // 2))
-        before_output = self.latency - output.latency
-        activated = delay(m, scan.issue, before_output, "issue", reset_less=False)
+        before_output = self._network_latency - output.latency
+        node = self._view(m, scan, queue) if self.transform else scan
+        activated = delay(m, node.issue, before_output, "issue", reset_less=False)
         m.d.comb += [
             scan.start.eq(self.start), scan.stop.eq(self.stop), scan.parameters.eq(self.scan),
             scan.space.eq(queue.space),
-            hidden.pixel.x.eq(scan.x), hidden.pixel.y.eq(scan.y), hidden.turn.eq(scan.turn),
+            hidden.pixel.x.eq(node.x), hidden.pixel.y.eq(node.y), hidden.turn.eq(node.turn),
             output.first.eq(activated),
             queue.issue.eq(scan.issue),
             queue.arrive.eq(delay(m, activated, output.latency, "output", reset_less=False)),
             queue.i.x.eq(output.o[0]), queue.i.y.eq(output.o[1]),
-            queue.i.whole.eq(delay(m, scan.whole, self.latency, "whole")),
+            queue.i.whole.eq(delay(m, node.whole, self._network_latency, "whole")),
             self.idle.eq(queue.drained & ~scan.issue),
         ]
         join_network(m, self, hidden, output)
         if output.skip:
             m.submodules.inputs = inputs = DelayMemory(
                 2 * self.formats.input.width, before_output + output.inputs_clock)
-            m.d.comb += [inputs.i.eq(Cat(scan.x, scan.y)),
+            m.d.comb += [inputs.i.eq(Cat(node.x, node.y)),
                          Value.cast(output.inputs).eq(inputs.o)]
         for k, tansig in enumerate(self.tansig):
             m.submodules[f"tansig{k}"] = tansig
@@ -110,6 +130,21 @@ class NodeNetwork(wiring.Component):
         wiring.connect(m, queue.o, wiring.flipped(self.o))
         self._count(m, scan.issue)
         return m
+
+    def _view(self, m, scan, queue):
+        """Nodes of the view, for the network; their positions go to the queue past it."""
+        m.submodules.transform = transform = self.transform
+        m.d.comb += [
+            transform.start.eq(self.start), transform.parameters.eq(self.scan),
+            transform.view.eq(self.view), transform.edges.eq(scan.edges),
+            transform.i_issue.eq(scan.issue), transform.i_whole.eq(scan.whole),
+        ]
+        m.submodules.positions = positions = DelayMemory(
+            2 * NODE.width, self._network_latency + transform.early)
+        m.d.comb += [positions.i.eq(Cat(transform.column, transform.row)),
+                     Cat(queue.i.column, queue.i.row).eq(positions.o),
+                     queue.i.fits.eq(delay(m, transform.fits, self._network_latency, "fits"))]
+        return transform
 
     def _count(self, m, issue):
         """Whether any node is between its issue and its output from the queue."""

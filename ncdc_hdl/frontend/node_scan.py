@@ -5,7 +5,7 @@ from amaranth.lib import wiring
 from amaranth.lib.wiring import In, Out
 from amaranth.utils import exact_log2
 
-from ncdc_hdl.frontend.layouts import scan_layout
+from ncdc_hdl.frontend.layouts import EDGES, scan_layout
 from ncdc_hdl.lib.pipeline import delay, register
 from ncdc_spec.geometry import MAX_SIZE, SCAN, STRIP_UNIT
 from ncdc_spec.nodes import AFTER, BEFORE
@@ -38,6 +38,8 @@ class NodeScan(wiring.Component):
         S, at least 8.
     interval : int
         Clocks per node, at least 2: the next one's coordinates are added up meanwhile.
+    view : bool
+        Whether other hardware computes the coordinates, of a view; the scan then has none.
 
     Members
     -------
@@ -54,6 +56,9 @@ class NodeScan(wiring.Component):
     turn : ``Out(range(interval))``
         0 with ``issue``, then incremented each clock.
     x, y : ``Out(signed(formats.input.width))``
+        Only without a view.
+    edges : ``Out(EDGES)``
+        Of the node shown (only with a view).
     whole : ``Out(1)``
         Three nodes of its row precede the one shown: the four surround a segment.
 
@@ -66,14 +71,15 @@ class NodeScan(wiring.Component):
     latency = 5
     """Clocks from ``start`` to the first node: number of nodes in 4, the node."""
 
-    def __init__(self, formats, nodes, interval):
+    def __init__(self, formats, nodes, interval, view=False):
         if interval < 2:
             raise ValueError(f"interval is {interval} clocks, a node takes at least 2")
         self.q, self.nodes, self.interval = formats.input, nodes, interval
+        number = Out(signed(self.q.width))
         super().__init__({
             "start": In(1), "stop": In(1), "parameters": In(scan_layout()), "space": In(1),
             "issue": Out(1), "turn": Out(range(interval)),
-            "x": Out(signed(self.q.width)), "y": Out(signed(self.q.width)), "whole": Out(1),
+            **({"edges": Out(EDGES)} if view else {"x": number, "y": number}), "whole": Out(1),
         })
 
     def elaborate(self, platform):
@@ -107,8 +113,15 @@ class NodeScan(wiring.Component):
             m.d.sync += active.eq(0)
         with m.If(begin & ~self.stop):
             m.d.sync += active.eq(1)
-        self._coordinates(m, begin, advance, row_ends, strip_ends,
-                          saves=active & (column == BEFORE + AFTER - 2))
+        saves = column == BEFORE + AFTER - 2
+        if "edges" in self.signature.members:
+            first_row = Signal()        # the row is the first of its strip
+            with m.If(row_ends | begin):
+                m.d.sync += first_row.eq(strip_ends | begin)
+            m.d.comb += [self.edges.last_column.eq(column < 0), self.edges.last_row.eq(row < 0),
+                         self.edges.next_strip.eq(saves & first_row)]
+        else:
+            self._coordinates(m, begin, advance, row_ends, strip_ends, saves=active & saves)
         return m
 
     def _pace(self, m, active, advance):

@@ -44,6 +44,9 @@ class Scan(wiring.Component):
     nodes : int
         1, or the distance of the nodes; then other hardware computes the coordinates between them,
         and the scan has none.
+    view : bool
+        Whether a view decides which pixels are blank; the scan then has no spans, and only groups
+        that end a frame early are blank.
 
     Members
     -------
@@ -54,7 +57,7 @@ class Scan(wiring.Component):
     parameters : ``In(scan_layout())``
         Constant from ``start`` to the end of the frame.
     table : ``Out(SpansRequest())``
-        To the table of valid rows.
+        To the table of valid rows (only without a view).
     go : ``In(1)``
         A group shown in the next clock may advance then.
     advance : ``Out(1)``
@@ -82,13 +85,13 @@ class Scan(wiring.Component):
     latency = Strips.latency + 2
     """Clocks from ``start`` to ``active``: the first group, as the next one, as the one shown."""
 
-    def __init__(self, formats, lanes=1, nodes=1):
-        self.q, self.lanes, self.nodes = formats.input, lanes, nodes
+    def __init__(self, formats, lanes=1, nodes=1, view=False):
+        self.q, self.lanes, self.nodes, self.view = formats.input, lanes, nodes, view
         shown = {"pixels": Out(data.ArrayLayout(pixel_layout(formats, lanes), lanes))} \
             if nodes == 1 else {"begins": Out(1), "will_begin": Out(1)}
         super().__init__({
             "start": In(1), "abort": In(1), "parameters": In(scan_layout()),
-            "table": Out(SpansRequest()),
+            **({} if view else {"table": Out(SpansRequest())}),
             "go": In(1), "advance": Out(1),
             "active": Out(1), "first": Out(1), "last": Out(1), "blank": Out(lanes),
             **shown, "cut": Out(1),
@@ -117,7 +120,7 @@ class Scan(wiring.Component):
         take = Signal()                 # the next group becomes the one shown
         m.d.comb += [end.eq(self._ends(m)), final.eq(~next_void & (end | next_last))]
         # A group that begins a row waits until the spans of that row have been fetched.
-        spans, fetched = self._fetch_spans(m, take & begins_row)
+        spans, fetched = (self._rest if self.view else self._fetch_spans)(m, take & begins_row)
         self._pace(m, strips, take, next_void, final, may_take=~begins_row | fetched,
                    may_follow=~ends_row | fetched & ~begins_row)
 
@@ -229,6 +232,12 @@ class Scan(wiring.Component):
             m.d.sync += [fetched.eq(0), table.row.eq(0)]
         return spans, fetched
 
+    def _rest(self, m, take):
+        """No spans, and whether a row may be taken: rows last 4 clocks, as with spans."""
+        recent = Signal(3)
+        m.d.sync += recent.eq(Cat(take | self.start, recent))
+        return None, ~recent.any()
+
     def _coordinates(self, m, load, take, new_row, new_strip, top):
         """One ramp for y, and one for the x of each lane; the sums are rounded at the output.
 
@@ -267,6 +276,9 @@ class Scan(wiring.Component):
         # Cycle 1: compare the columns of the group with the ends of both spans.
         cut_late = Signal()
         m.d.sync += cut_late.eq(cut)
+        if self.view:
+            m.d.sync += self.blank.eq(cut_late.replicate(self.lanes))
+            return
         for k in range(self.lanes):
             u = column | k
             inside = Signal(4, name=f"inside{k}")   # after the start, before the stop; each span

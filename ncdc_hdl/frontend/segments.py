@@ -6,23 +6,20 @@ from amaranth.lib.wiring import In, Out
 from amaranth.utils import exact_log2
 
 from ncdc_hdl.frontend.node_network import node_layout
-from ncdc_spec.fixed import Q
 
-__all__ = ["AXES", "Segments", "segment_layout"]
+__all__ = ["Segments", "segment_layout"]
 
-AXES = ("x", "y")
-
-
-def segment_layout(fine, nodes):
+def segment_layout(axes, nodes):
     """Start value and increments of a segment between two nodes, for each axis.
 
-    ``base`` is the value at its first pixel in the nodes' format ``fine``. 4 S^2 times the value
-    grows by ``slope`` to the next pixel, and the growth itself by twice ``bend`` per pixel.
+    ``base`` is the value at its first pixel in the nodes' format. 4 S^2 times the value
+    grows by ``slope`` to the next pixel, and the growth itself by twice ``bend`` per pixel. With a
+    view ``fits`` is high if it is at all four nodes.
     """
-    axis = data.StructLayout({
+    return data.StructLayout({name: data.StructLayout({
         "base": signed(fine.width + 1), "bend": signed(fine.width + 2),
-        "slope": signed(fine.width + 4 + exact_log2(nodes))})
-    return data.StructLayout({name: axis for name in AXES})
+        "slope": signed(fine.width + 4 + exact_log2(nodes))}) for name, fine in axes.items()}
+        | ({"fits": 1} if "column" in axes else {}))
 
 
 class Segments(wiring.Component):
@@ -39,16 +36,16 @@ class Segments(wiring.Component):
 
     Parameters
     ----------
-    formats : ncdc_spec.descriptor.Formats
-        Formats at nodes; ``coordinate`` is used.
-    coarse : ncdc_spec.fixed.Q
-        Format of the coordinates.
+    axes : dict
+        Format of each axis at the nodes, by its name.
+    coarse : dict
+        Format of its values between them.
     nodes : int
         Distance S of the nodes.
 
     Members
     -------
-    i : ``In(stream.Signature(node_layout(formats)))``
+    i : ``In(stream.Signature(node_layout(axes)))``
     flush : ``In(1)``
         All nodes and segments are dropped.
     o : ``Out(stream.Signature(segment_layout(...)))``
@@ -57,12 +54,11 @@ class Segments(wiring.Component):
     latency = 4
     """Clocks from the last node to its segment: difference, bend, slope in two."""
 
-    def __init__(self, formats, coarse: Q, nodes):
-        self.fine, self.nodes = formats.coordinate, nodes
-        self.half = 1 << (self.fine.f_bits - coarse.f_bits - 1)
+    def __init__(self, axes, coarse, nodes):
+        self.axes, self.coarse, self.nodes = axes, coarse, nodes
         super().__init__({
-            "i": In(stream.Signature(node_layout(formats))), "flush": In(1),
-            "o": Out(stream.Signature(segment_layout(self.fine, nodes))),
+            "i": In(stream.Signature(node_layout(axes))), "flush": In(1),
+            "o": Out(stream.Signature(segment_layout(axes, nodes))),
         })
 
     def elaborate(self, platform):
@@ -82,12 +78,28 @@ class Segments(wiring.Component):
                     m.d.sync += before.eq(0)
         with m.If(self.flush):
             m.d.sync += [own.eq(0) for own in valid]
-        for name in AXES:
-            self._axis(m, name, takes)
+        for name, fine in self.axes.items():
+            self._axis(m, name, fine, takes)
+        if "fits" in self.o.p.shape().members:
+            self._fits(m, takes)
         return m
 
-    def _axis(self, m, name, takes):
-        bits, shift = self.fine.width, exact_log2(self.nodes)
+    def _fits(self, m, takes):
+        """Whether the four nodes around a segment fit, through the same stages."""
+        before = Signal(3, reset_less=True)             # the nodes before the one that comes
+        around, bent, sloped = (Signal(name=f"{name}_fits", reset_less=True)
+                                for name in ("around", "bent", "sloped"))
+        with m.If(takes[0] & self.i.valid):
+            m.d.sync += [before.eq(Cat(before[1:], self.i.p.fits)),
+                         around.eq(before.all() & self.i.p.fits)]
+        for take, own, value in zip(takes[1:], (bent, sloped, self.o.p.fits),
+                                    (around, bent, sloped)):
+            with m.If(take):
+                m.d.sync += own.eq(value)
+
+    def _axis(self, m, name, fine, takes):
+        bits, shift = fine.width, exact_log2(self.nodes)
+        half = 1 << (fine.f_bits - self.coarse[name].f_bits - 1)
         node, o = self.i.p[name], self.o.p[name]
 
         def signal(what, width):
@@ -105,7 +117,7 @@ class Segments(wiring.Component):
             m.d.sync += [a.eq(b) for a, b in zip(steps, [*steps[1:], node - p[2]])]
         # Cycle 2: the bend.
         with m.If(takes[1]):
-            m.d.sync += [base.eq(p[0] + self.half), step.eq(steps[1]),
+            m.d.sync += [base.eq(p[0] + half), step.eq(steps[1]),
                          bend.eq(steps[2] - steps[0])]
         # Cycle 3: a part of the slope: S times this, and a bend.
         with m.If(takes[2]):

@@ -1,6 +1,7 @@
 """The front end as the corrector joins it, its frames, and those of the golden model."""
 
 from dataclasses import replace
+from itertools import zip_longest
 
 import numpy as np
 from amaranth import *
@@ -10,8 +11,10 @@ from banks import bank_words, take_bank, write_bank
 from ncdc_hdl.frontend.backmap import BackMap
 from ncdc_hdl.frontend.node_backmap import NodeBackMap
 from ncdc_hdl.frontend.valid import ValidTable
+from ncdc_hdl.frontend.view_table import ViewTable
 from ncdc_hdl.lib.groups import lanes_of
 from ncdc_model.correction import frame_coordinates
+from ncdc_model.golden.view import view_coordinates
 from ncdc_spec.geometry import scan_order
 from ncdc_spec.hardware import Hardware
 from pipelines import get, run_bench
@@ -26,12 +29,17 @@ class FrontEnd(Elaboratable):
         hardware = Hardware(lanes=lanes, **options)
         self.backmap = (BackMap(d.hidden_neurons, d.formats, hardware=hardware) if d.nodes == 1
                         else NodeBackMap(d.hidden_neurons, d.formats, d.nodes, hardware=hardware))
-        self.table = ValidTable(d.valid, *d.geometry.corrected)
+        self.table = (ViewTable(d.valid, *d.geometry.corrected, lanes) if hardware.view else
+                      ValidTable(d.valid, *d.geometry.corrected))
 
     def elaborate(self, platform):
         m = Module()
         m.submodules.backmap, m.submodules.table = self.backmap, self.table
-        wiring.connect(m, self.backmap.table, self.table.scan)
+        if isinstance(self.table, ViewTable):
+            for lane, table in zip(self.backmap.table, self.table.scan):
+                wiring.connect(m, lane, table)
+        else:
+            wiring.connect(m, self.backmap.table, self.table.scan)
         return m
 
 
@@ -46,12 +54,16 @@ async def prepare(ctx, backmap, d):
         await write_bank(ctx, backmap.writes, words_of(d))
 
 
-def load(ctx, backmap, d, strip=0):
-    """Set the parameters of descriptor ``d``, for which the memories are prepared."""
+def load(ctx, backmap, d, strip=0, view=None):
+    """Set the parameters of descriptor ``d``, for which the memories are prepared, and a view."""
     g = d.geometry
     origin_x, step_x, origin_y, step_y = g.scan()
-    ctx.set(backmap.scan, {"width": g.corrected_width, "height": g.corrected_height,
-                           "strip": strip, "origin_x": origin_x, "step_x": step_x,
+    width, height = view.size if view else g.corrected
+    if view:
+        ctx.set(backmap.view, {"matrix": np.reshape(view.matrix, (3, 3)).tolist(),
+                               "plane_height": g.corrected_height})
+    ctx.set(backmap.scan, {"width": width, "height": height, "strip": strip,
+                            "origin_x": origin_x, "step_x": step_x,
                            "origin_y": origin_y, "step_y": step_y})
     network = backmap.network
     if "hidden" in network.shape().members:
@@ -67,12 +79,16 @@ def load(ctx, backmap, d, strip=0):
         take_bank(ctx, backmap.writes)
 
 
-def expected(d, strip=0, lanes=1):
+def expected(d, strip=0, lanes=1, view=None):
     """(x, y, blank, first, last) of every pixel in order; the flags are those of its group."""
-    x, y = (scan_order(a, strip) for a in frame_coordinates(d))
+    if view:
+        v, u = np.indices(view.size[::-1])
+        *source, valid = view_coordinates(d, view, u, v)
+    else:
+        source, valid = frame_coordinates(d), d.valid.mask(d.geometry.corrected_width)
+    x, y, blank = (scan_order(a, strip) for a in (*source, ~valid))
     flags = np.zeros((2, x.size), int)
     flags[0, :lanes] = flags[1, -lanes:] = 1
-    blank = scan_order(~d.valid.mask(d.geometry.corrected_width), strip)
     return np.stack([x, y, blank.astype(int), *flags], axis=1)
 
 
@@ -81,18 +97,20 @@ def fields(items):
                      for item in items for c in lanes_of(item)])
 
 
-def frames(dut, descriptors, stall, seed=5, strip=0):
-    """The fields of one frame of each of ``descriptors``, one after the other."""
+def frames(dut, descriptors, stall, seed=5, strip=0, views=()):
+    """The fields of one frame of each of ``descriptors``, one after the other; ``views``: one for
+    each, or none."""
     rng, results = np.random.default_rng(seed), []
 
     async def bench(ctx):
-        for d in descriptors:
+        for d, view in zip_longest(descriptors, views):
             await prepare(ctx, dut.backmap, d)
-            load(ctx, dut.backmap, d, strip)
+            load(ctx, dut.backmap, d, strip, view)
             ctx.set(dut.backmap.start, 1)
             await ctx.tick()
             ctx.set(dut.backmap.start, 0)
-            groups = d.valid.mask(d.geometry.corrected_width).size // dut.backmap.lanes
+            width, height = view.size if view else d.geometry.corrected
+            groups = width * height // dut.backmap.lanes
             results.append(fields(await get(ctx, dut.backmap.o, groups,
                                             lambda: rng.random() < stall)))
 

@@ -22,6 +22,7 @@ from ncdc_hdl.camera.i2c import I2cController
 from ncdc_hdl.corrector import Corrector
 from ncdc_hdl.frontend.backmap import BackMap
 from ncdc_hdl.frontend.between import NodesToCoordinates
+from ncdc_hdl.frontend.node_network import node_axes
 from ncdc_hdl.neural.neuron import HiddenNeuron, OutputNeuron
 from ncdc_hdl.neural.tansig import Tansig
 from ncdc_spec.cache_options import CacheOptions
@@ -79,7 +80,8 @@ def _front_end(hidden_neurons, variant="mmhbc", **options):
 
 
 def _between(lanes=1):
-    return lambda bits: NodesToCoordinates(Formats().at_nodes(), Formats().coordinate, _NODES,
+    return lambda bits: NodesToCoordinates(node_axes(Formats().at_nodes()),
+                                           dict.fromkeys("xy", Formats().coordinate), _NODES,
                                            lanes)
 
 
