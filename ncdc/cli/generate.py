@@ -3,7 +3,15 @@
 from pathlib import Path
 
 from ncdc.cli.common import add_json, raw_frame, write_report
-from ncdc.cli.hardware import add_bus, add_hardware, fixed_of, front_end_line, hardware_of, planned
+from ncdc.cli.hardware import (
+    add_bus,
+    add_hardware,
+    add_view,
+    fixed_of,
+    front_end_line,
+    hardware_of,
+    planned,
+)
 from ncdc_boards.catalogue import board_for
 from ncdc_boards.platform_designer.niosv import NIOSV, niosv_tcl
 from ncdc_hdl.axi.top import AxiTop
@@ -50,6 +58,7 @@ def add_arguments(parser) -> None:
                           help="with registers for white balance of raw frames, before "
                                "interpolation, which change no pixel until they are written; for "
                                "raw frames that NCDC's own camera has not balanced")
+    add_view(hardware)
     add_bus(hardware)
     more = parser.add_argument_group("what is written")
     more.add_argument("--name", metavar="NAME",

@@ -21,8 +21,8 @@ from ncdc_spec.hardware import (
 )
 from ncdc_spec.nodes import row_nodes
 
-__all__ = ["add_bus", "add_fixed", "add_format", "add_hardware", "add_lanes", "choice_line",
-           "fixed_of", "front_end_line", "hardware_of", "planned"]
+__all__ = ["add_bus", "add_fixed", "add_format", "add_hardware", "add_lanes", "add_view",
+           "choice_line", "fixed_of", "front_end_line", "hardware_of", "planned"]
 
 _LONG = 1 << 20         # pixels of a frame from which on planning shows its progress
 
@@ -81,6 +81,13 @@ def add_hardware(parser):
                              "pixel until they are written, and sums of a frame's colours")
 
 
+def add_view(parser):
+    """Declare the option --view."""
+    parser.add_argument("--view", action="store_true",
+                        help="with registers for the matrix of a view (pan, tilt, zoom, roll), "
+                             "which changes no pixel until it is written; needs a network at nodes")
+
+
 def add_bus(parser):
     """Declare the option --bus."""
     parser.add_argument("--bus", choices=BUSES, default=BUSES[0],
@@ -112,6 +119,7 @@ def hardware_of(args, board=None):
                     lanes=args.pixels_per_clock, format=args.format, colour=args.colour,
                     raw_balance=(getattr(args, "raw_gains", False)
                                  or getattr(args, "raw_balance", None) is not None),
+                    view=getattr(args, "view", False),
                     bus=getattr(args, "bus", BUSES[0]), video=getattr(args, "video", VIDEOS[0]),
                     **{name: value for name, value in chosen.items() if value is not None})
 

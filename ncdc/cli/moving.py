@@ -49,7 +49,7 @@ def run_moving(args, descriptor):
     for option, given in (("--line-clocks", args.line_clocks), ("--tone", args.tone),
                           ("--crest", None if args.crest == "off" else args.crest),
                           ("--white-balance", args.white_balance),
-                          ("--raw-balance", args.raw_balance)):
+                          ("--raw-balance", args.raw_balance), ("--matrix", args.matrix)):
         if given is not None:
             raise InputError(f"{option} is given with --sensor {args.sensor}, which does not take "
                              f"it")

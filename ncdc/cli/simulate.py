@@ -6,8 +6,9 @@ from dataclasses import replace
 from ncdc.cli.colour import add_colour, colour_choice, colour_line, colour_report, has_gains
 from ncdc.cli.common import add_json, add_samples, raw_frame, write_report
 from ncdc.cli.follow import add_follow, bound_of, follow_strip
-from ncdc.cli.hardware import add_hardware, fixed_of, hardware_of, planned
+from ncdc.cli.hardware import add_hardware, add_view, fixed_of, hardware_of, planned
 from ncdc.cli.moving import add_moving, run_moving
+from ncdc.cli.view import add_matrix, matrix_view
 from ncdc.cli.waves import add_waves, waves_of
 from ncdc.terminal import Progress
 from ncdc_model.correction import correct
@@ -47,6 +48,9 @@ def add_arguments(parser) -> None:
     add_waves(run)
     add_follow(parser.add_argument_group("low latency"))
     add_moving(parser)
+    view = parser.add_argument_group("view")
+    add_view(view)
+    add_matrix(view)
     add_colour(parser.add_argument_group("colour"))
     add_samples(parser.add_argument_group("samples of the file"))
     add_json(parser)
@@ -63,19 +67,26 @@ def run(args) -> int | None:
     descriptor = Descriptor.load(args.descriptor)
     if args.sensor:
         return run_moving(args, descriptor)
+    view = matrix_view(args, descriptor.geometry)
+    if view and args.follow:
+        raise InputError("--matrix and --follow are given, early start is planned for the trained "
+                         "picture only")
     if args.field is not None:
         raise InputError(f"--field {args.field} is of a sensor: --camera NAME is needed")
     fixed = fixed_of(args, follow_strip(args, descriptor.geometry))
     raw, note = raw_frame(args.image, descriptor.geometry, args.raw, args.bits)
     hardware = hardware_of(args)
-    hardware, _ = planned(replace(hardware, colour=hardware.colour or has_gains(args)), fixed,
-                          descriptor)
+    hardware = replace(hardware, colour=hardware.colour or has_gains(args),
+                       view=hardware.view or view is not None)
+    hardware, _ = planned(hardware, fixed, descriptor)
     line = camera_line(args.line_clocks, descriptor.geometry) if args.follow else None
     colour = choice(lambda raw_gains: correct(
-        descriptor, raw, crest=CRESTS[args.crest], raw_gains=raw_gains)) if choice else Colour()
+        descriptor, raw, crest=CRESTS[args.crest], raw_gains=raw_gains,
+        view=view)) if choice else Colour()
     simulation = simulate_correction(
-        descriptor, raw, hardware, follow_line=line, colour=colour, progress=Progress("simulating"),
-        memory=args.memory, simulator=args.simulator, seed=args.seed, waves=waves)
+        descriptor, raw, hardware, follow_line=line, colour=colour, view=view,
+        progress=Progress("simulating"), memory=args.memory, simulator=args.simulator,
+        seed=args.seed, waves=waves)
     write_image(args.output, simulation.picture)
     if note:
         print(note, file=sys.stderr)

@@ -161,6 +161,7 @@ BLOCKS = {
              "HN 8, nodes, 8 KB, table": _smallest("table"),
              "HN 16, nodes": _core(16, nodes=_NODES),
              "HN 16, nodes, table": _core(16, "table", _NODES),
+             "HN 16, nodes, table, view": _core(16, "table", _NODES, view=True),
              "HN 16, nodes, gradient": _core(16, nodes=_NODES, interpolation=GRADIENT),
              "HN 16, nodes, table, gradient": _core(16, "table", _NODES, interpolation=GRADIENT),
              "HN 16, nodes, table, directional": _core(16, "table", _NODES,

@@ -88,9 +88,10 @@ class Lookups:
         return np.diff(np.append(lefts, self.width)), self.pixels // self.width
 
 
-def frame_windows(descriptor, progress=lambda done, total: None):
-    """:class:`Windows` of a trained map; ``progress(done, total)`` counts corrected rows."""
-    x0, y0, used = correction_of(descriptor).corners(progress)
+def frame_windows(descriptor, progress=lambda done, total: None, view=None):
+    """:class:`Windows` of a trained map, or of a :class:`~ncdc_spec.view.View` of it;
+    ``progress(done, total)`` counts corrected rows."""
+    x0, y0, used = correction_of(descriptor, view=view).corners(progress)
     geometry = descriptor.geometry
     return Windows(x0, y0, used, geometry.interpolation, geometry.distorted)
 

@@ -104,21 +104,22 @@ class Simulation:
         }
 
 
-def corrector_program(descriptor, hardware, checked=True, follow=False, colour=Colour()):
+def corrector_program(descriptor, hardware, checked=True, follow=False, colour=Colour(),
+                      view=None):
     """Register accesses of a host to correct one frame.
 
     Every parameter is written (and, if ``checked``, read back), a frame started and awaited, the
     counters read. With ``follow`` the camera begins its frame just before the start. ``colour`` is
-    of hardware that has it.
+    of hardware that has it, and so is ``view``.
     """
-    host = host_values(descriptor, hardware, follow=follow, colour=colour)
+    host = host_values(descriptor, hardware, follow=follow, colour=colour, view=view)
     rows = _rows(descriptor, hardware)
     writes = [(rows[name].address, value)
               for name, value in host.items()]
     writes += table_words(descriptor.valid)
     target = host["TARGET_BASE"]
-    written = 0 if hardware.stream else frame_bytes(descriptor.geometry,
-                                                    output_format(hardware.format))
+    picture = view.geometry(descriptor.geometry) if view else descriptor.geometry
+    written = 0 if hardware.stream else frame_bytes(picture, output_format(hardware.format))
     program = Program().allow((host["SOURCE_BASE"], host["SOURCE_LIMIT"]),
                               (target, target + written))
     for address, value in [*writes, (rows["IRQ_ENABLE"].address, 1)]:
@@ -144,7 +145,8 @@ def _rows(descriptor, hardware):
     """The registers by name."""
     return {r.name: r for r in registers(descriptor.hidden_neurons, descriptor.formats,
                                          colour=hardware.colour,
-                                         raw_balance=hardware.raw_balance)}
+                                         raw_balance=hardware.raw_balance,
+                                         view=hardware.view)}
 
 
 def _colour_counters(hardware):
@@ -152,15 +154,16 @@ def _colour_counters(hardware):
     return COLOUR_COUNTERS if hardware.colour else ()
 
 
-def tiles_fetched(descriptor, hardware):
+def tiles_fetched(descriptor, hardware, view=None):
     """Tiles that the golden model of the cache reads."""
     geometry = descriptor.geometry
-    accessed = accesses(lookups(frame_windows(descriptor), hardware.strip, hardware.lanes))
+    accessed = accesses(lookups(frame_windows(descriptor, view=view), hardware.strip,
+                                hardware.lanes))
     return len(misses(accessed, hardware.cache_for(geometry), hardware.split_for(geometry)))
 
 
 def simulate_correction(descriptor, raw, hardware=Hardware(), *, verilog=None, follow_line=None,
-                        colour=Colour(), progress=None, memory="sdram", **run):
+                        colour=Colour(), view=None, memory="sdram", **run):
     """Correct the ``raw`` frame with the generated Verilog and with the golden model.
 
     Parameters
@@ -175,10 +178,10 @@ def simulate_correction(descriptor, raw, hardware=Hardware(), *, verilog=None, f
         clocks of a row of that camera.
     colour : Colour
         Gains before and after interpolation and tone curve, of hardware that has them.
-    progress :
-        As of :func:`ncdc_sim.system.frame.simulate_frame`.
+    view : View, optional
+        What the corrected frame shows, of hardware that has views.
     memory, run :
-        As of :class:`ncdc_sim.system.frame.Run`.
+        As of :func:`ncdc_sim.system.frame.simulate_frame`.
 
     Raises
     ------
@@ -192,28 +195,29 @@ def simulate_correction(descriptor, raw, hardware=Hardware(), *, verilog=None, f
     hardware = hardware.made_for(descriptor)
     if verilog is None:
         verilog = corrector_verilog(descriptor, hardware)
-    buffers = FrameAddresses.after_reset(geometry, hardware.data_width)
-    width, height = geometry.corrected
+    picture = view.geometry(geometry) if view else geometry
+    buffers = FrameAddresses.after_reset(picture, hardware.data_width)
+    width, height = picture.corrected
     form, follow = output_format(hardware.format), follow_line is not None
     camera = Camera(*geometry.distorted, buffers.pitch, follow_line) if follow else None
     result = simulate_frame(
         verilog, raw_image(raw, buffers.pitch),
-        corrector_program(descriptor, hardware, follow=follow, colour=colour),
+        corrector_program(descriptor, hardware, follow=follow, colour=colour, view=view),
         source_base=buffers.source, output_base=buffers.target,
-        output_bytes=3 * width * height if hardware.stream else frame_bytes(geometry, form),
-        camera=camera, progress=progress, memory=memory, **run)
+        output_bytes=3 * width * height if hardware.stream else frame_bytes(picture, form),
+        camera=camera, memory=memory, **run)
     stored = np.frombuffer(result.output, np.uint8).reshape(height, width, -1)
     golden = correct(descriptor, raw, strip=hardware.strip, crest=colour.crest,
-                     raw_gains=colour.raw_gains)
+                     raw_gains=colour.raw_gains, view=view)
     finished = coloured(golden, colour)
-    picture, expected = stored, finished
+    shown, expected = stored, finished
     if not hardware.stream:
-        picture, expected = stored_picture(stored, form), stored_bytes(finished, form)
+        shown, expected = stored_picture(stored, form), stored_bytes(finished, form)
     rows = _rows(descriptor, hardware)
     return Simulation(
-        picture=picture, golden=finished, stored=stored, expected=expected, blank=golden.blank,
+        picture=shown, golden=finished, stored=stored, expected=expected, blank=golden.blank,
         counters={name: result.registers[rows[name].address] for name in COUNTERS},
-        fetches_expected=(tiles_fetched(descriptor, hardware) if hardware.cached
+        fetches_expected=(tiles_fetched(descriptor, hardware, view) if hardware.cached
                           else golden.fetches),
         bytes_read=sum(result.bytes_read), bytes_written=result.bytes_written,
         bytes_outside=result.counters["outside_bytes"],

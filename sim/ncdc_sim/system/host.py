@@ -41,7 +41,8 @@ class SystemHost:
         self.live, self.system, self.geometry = live, system, system.descriptor.geometry
         descriptor = system.descriptor
         table = (*registers(descriptor.hidden_neurons, descriptor.formats, descriptor.nodes,
-                            system.hardware.colour, system.hardware.raw_balance),
+                            system.hardware.colour, system.hardware.raw_balance,
+                            system.hardware.view),
                  *system.table)
         driver = _driver(python_registers(table))
         self.camera = driver.CameraSystem(lambda offset: live.read(offset >> 2),

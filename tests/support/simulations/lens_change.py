@@ -1,4 +1,5 @@
-"""Frames of several cameras in turn, back to back, on one corrector: every frame another lens."""
+"""Frames of several cameras in turn, back to back, on one corrector: every frame another lens,
+and another view."""
 
 from dataclasses import dataclass
 
@@ -20,6 +21,7 @@ from ncdc_spec.registers.register_map import (
     STATUS_REFUSED,
     TABLE,
 )
+from ncdc_spec.view import VIEW_REGISTERS
 from simulations.series import aligned, differing, output_bytes
 
 __all__ = ["LensChange", "simulate_lens_change"]
@@ -51,7 +53,8 @@ class LensChange:
         return tuple(period - clocks for period, clocks in zip(self.periods, self.clocks[1:]))
 
 
-def simulate_lens_change(corrector, verilog, cameras, frames, *, intruder=False, **options):
+def simulate_lens_change(corrector, verilog, cameras, frames, *, views=(), intruder=False,
+                         **options):
     """Correct ``frames`` frames, the cameras taking turns, each started while the last one runs.
 
     While frame k runs the host writes all registers and valid rows for frame k + 1, commits and
@@ -64,21 +67,24 @@ def simulate_lens_change(corrector, verilog, cameras, frames, *, intruder=False,
     cameras : sequence of (Descriptor, ndarray of uint8)
         Each with its raw frame.
     frames : int
+    views : sequence of View
+        One of each frame, of a corrector that has views; none: the trained pictures.
     intruder : bool
         After each commit write other values to every register of the set and to the valid rows.
         The corrector must reject them.
     options :
         As of :func:`ncdc_sim.system.frame.simulate_frame`.
     """
-    layout = _Layout.of(corrector, cameras, frames)
+    layout = _Layout.of(corrector, cameras, views or [None] * frames)
     rows = {r.name: r for r in corrector.registers.table}
     result = simulate_frame(verilog, layout.content, _program(layout, rows, intruder),
                             source_base=0, output_base=layout.base, output_bytes=layout.length,
                             **options)
-    golden = [correct(camera, raw).picture for camera, raw in cameras]
+    golden = [correct(*cameras[k % len(cameras)], view=view).picture
+              for k, view in enumerate(layout.views)]
     return LensChange(
-        differing=layout.differing(result.output, golden),
-        pixels=sum(golden[k % len(golden)][..., 0].size for k in range(frames)),
+        differing=differing(result.output, layout.outputs, golden, layout.stream),
+        pixels=sum(picture[..., 0].size for picture in golden),
         clocks=tuple(value for address, value in result.reads if address == rows["CLOCKS"].address),
         periods=tuple(b - a for a, b in zip(result.ends, result.ends[1:])))
 
@@ -102,8 +108,9 @@ class _Layout:
         Byte address and size of the run's output.
     stream : bool
         The output is a stream, 3 bytes per pixel.
+    views : list of View or None
     geometries : list of Geometry
-        One of each camera.
+        One of each frame, with the size of its view.
     data_width : int
         Bits of a memory word.
     """
@@ -115,31 +122,27 @@ class _Layout:
     base: int
     length: int
     stream: bool
+    views: list
     geometries: list
     data_width: int
 
     @classmethod
-    def of(cls, corrector, cameras, frames):
-        """The layout of so many frames of the ``cameras`` in turn."""
+    def of(cls, corrector, cameras, views):
+        """The layout of a frame of each of ``views``, of the ``cameras`` in turn."""
         lenses = [Lens.of(corrector, camera) for camera, _ in cameras]
         content, sources = b"", []
         for (_, raw), lens in zip(cameras, lenses):
             sources.append(len(content))
             image = raw_image(raw, lens.values["SOURCE_PITCH"])
             content += image.ljust(aligned(len(image)), b"\0")
-        turns = [cameras[k % len(cameras)][0].geometry for k in range(frames)]
+        turns = [cameras[k % len(cameras)][0].geometry for k in range(len(views))]
+        turns = [view.geometry(one) if view else one for view, one in zip(views, turns)]
         targets = _starts(len(content), [aligned(frame_bytes(one)) for one in turns])
         outputs, base = [target - targets[0] for target in targets], targets[0]
         if corrector.hardware.stream:
             outputs, base = _starts(0, [output_bytes(one, True) for one in turns]), 0
         return cls(lenses, content, sources, targets[:-1], outputs[:-1], base, outputs[-1],
-                   corrector.hardware.stream, [camera.geometry for camera, _ in cameras],
-                   corrector.hardware.data_width)
-
-    def differing(self, output, golden):
-        """Pixels of each frame of the run's ``output`` that differ from its camera's golden one."""
-        return differing(output, self.outputs, [golden[k % len(golden)] for k in
-                                                range(len(self.outputs))], self.stream)
+                   corrector.hardware.stream, list(views), turns, corrector.hardware.data_width)
 
 
 def _starts(start, sizes):
@@ -166,8 +169,12 @@ def _prepare(program, layout, rows, k, intruder):
     turn, bank = k % len(layout.lenses), k % 2
     lens = layout.lenses[turn]
     buffers = FrameAddresses(layout.sources[turn], layout.targets[k], lens.values["SOURCE_PITCH"])
-    changed = lens.values | address_values(layout.geometries[turn], layout.data_width, buffers) | {
+    geometry, view = layout.geometries[k], layout.views[k]
+    changed = lens.values | address_values(geometry, layout.data_width, buffers) | {
         "VALID_BANK": bank}
+    if view:
+        changed |= dict(zip(VIEW_REGISTERS, view.matrix)) | {
+            "CORRECTED_WIDTH": view.size[0], "CORRECTED_HEIGHT": view.size[1]}
     for name, value in changed.items():
         program.write(rows[name].address, value)
     program.write(rows["VALID_WINDOW"].address, bank)

@@ -1,0 +1,60 @@
+"""Views in the Verilog: whole frames, another lens and another view with every frame."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from cameras import barrel_descriptor
+from ncdc_hdl.corrector import Corrector
+from ncdc_hdl.export.verilog import verilog_of
+from ncdc_sim.system.corrector import simulate_correction
+from ncdc_spec.hardware import Hardware
+from simulations.lens_change import simulate_lens_change
+from views import nonsense_view, random_view
+
+FOCAL = 60      # pixels of the trained pictures
+
+
+def cameras(nodes=8):
+    """Two cameras of different sizes, each with a raw frame of noise."""
+    wide = barrel_descriptor((104, 60), (112, 66), 4, bayer="GBRG", strength=.4,
+                             fill=(200, 100, 50))
+    tele = barrel_descriptor((96, 52), (90, 60), 4, seed=8, strength=.1)
+    rng = np.random.default_rng(4)
+    return [(replace(d, nodes=nodes), rng.integers(0, 256, d.geometry.distorted[::-1], np.uint8))
+            for d in (wide, tele)]
+
+
+def views_of(pair, frames, seed=3):
+    """A view of each frame: every fourth one nonsense, sizes in turn."""
+    rng, sizes = np.random.default_rng(seed), ((104, 60), (64, 40), (96, 17))
+    return [nonsense_view(rng, sizes[k % 3]) if k % 4 == 3 else
+            random_view(rng, pair[k % 2][0].geometry, FOCAL, sizes[k % 3], pan=50, roll=180,
+                        zoom=(.5, 4)) for k in range(frames)]
+
+
+@pytest.mark.longer
+@pytest.mark.many_clocks
+@pytest.mark.parametrize("settings,nodes,frames", [
+    (dict(strip=32), 8, 12),
+    *(pytest.param(*case, marks=pytest.mark.regress) for case in (
+        (dict(data_width=128, output="stream", lanes=4), 16, 60),
+        (dict(data_width=64, lanes=2, share=3, multiplier_bits=18), 8, 60)))])
+def test_another_lens_and_view_with_every_frame(settings, nodes, frames):
+    pair = cameras(nodes)
+    corrector = Corrector(pair[0][0], Hardware(view=True, **settings))
+    result = simulate_lens_change(corrector, verilog_of(corrector), pair, frames,
+                                  views=views_of(pair, frames), memory="hostile")
+    assert result.differing == (0,) * frames
+
+
+@pytest.mark.regress
+@pytest.mark.parametrize("bus", ["avalon", "axi"])
+def test_a_view_of_another_size(bus):
+    d, raw = cameras()[0]
+    view = random_view(np.random.default_rng(1), d.geometry, FOCAL, (72, 44))
+    result = simulate_correction(d, raw, Hardware(view=True, bus=bus), view=view)
+    assert result.differing == [] and result.bytes_outside == 0
+    assert result.counters["FETCHES"] == result.fetches_expected
+    assert not result.blank.all()

@@ -1,0 +1,42 @@
+"""Views of a pinhole for tests, by SciPy's rotations, and matrices that make no sense."""
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from ncdc_spec.view import FORMATS, View
+
+__all__ = ["nonsense_view", "pinhole_matrix", "random_angles", "random_view"]
+
+
+def pinhole_matrix(focal, trained, size, pan, tilt, roll, zoom):
+    """Matrix of a view of ``size`` into a trained picture of ``focal`` pixels, angles in degrees.
+
+    The zoom is relative to a view as wide as the trained picture.
+    """
+    def camera(width, height, f):
+        return np.array([[f, 0, (width - 1) / 2], [0, f, (height - 1) / 2], [0, 0, 1.]])
+    turn = Rotation.from_euler("yxz", [pan, tilt, roll], degrees=True).as_matrix()
+    f = focal * zoom * size[0] / trained[0]
+    return camera(*trained, focal) @ turn @ np.linalg.inv(camera(*size, f))
+
+
+def random_angles(rng, pan=30, tilt=20, roll=10, zoom=(.8, 4)):
+    """Pan, tilt and roll up to these angles, and a zoom within these limits."""
+    low, high = np.log2(zoom)
+    return (*(rng.uniform(-limit, limit) for limit in (pan, tilt, roll)),
+            2**rng.uniform(low, high))
+
+
+def random_view(rng, geometry, focal, size=None, **limits):
+    """A view of :func:`random_angles` into the trained picture of ``geometry``."""
+    size = size or geometry.corrected
+    return View.of(pinhole_matrix(focal, geometry.corrected, size, *random_angles(rng, **limits)),
+                   size)
+
+
+def nonsense_view(rng, size):
+    """Any bits in the registers of a view, some of them zero or at a limit."""
+    kinds = rng.integers(0, 4, 9)
+    raw = [(0, q.lo, q.hi, int(rng.integers(q.lo, q.hi)) >> int(rng.integers(0, 32)))[kind]
+           for kind, q in zip(kinds, [q for row in FORMATS for q in row])]
+    return View(tuple(raw), size)
