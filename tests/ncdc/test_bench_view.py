@@ -8,6 +8,7 @@ import pytest
 
 from ncdc.cli import main
 from ncdc_bench.view import command, measure
+from ncdc_bench.view.clocks import clocks_of
 from ncdc_bench.view.command import complaints
 from ncdc_bench.view.measure import row_of
 from ncdc_bench.view.shaking import Shake, small_camera
@@ -39,6 +40,22 @@ def test_slips_of_the_model_are_seen(monkeypatch, slip, word):
     right = measure.view_coordinates
     monkeypatch.setattr(measure, "view_coordinates", lambda *args: slip(*right(*args)))
     assert any(word in text for text in complaints([row_of("small", seen_lens(), 5)], STILL))
+
+
+def test_clocks_and_pixels_that_are_off_are_seen():
+    row = {"lens": "one", "map_error_max_px": 0, "lens_error_max_px": 0, "wrongly_filled": 0,
+           "wrongly_blank": 0, "clocks_per_pixel": 1.0, "predicted_clocks_per_pixel": 1.02,
+           "pixels_different": 3}
+    assert [text.partition(" ")[2] for text in complaints([row], STILL)] == [
+        "1.020 of the clocks are predicted, 1 % off is the limit",
+        "3 pixels of the Verilog are not the golden model's"]
+
+
+@pytest.mark.longer
+def test_the_slowest_view_is_as_fast_as_predicted():
+    found = clocks_of(replace(seen_lens((200, 136), 125, (99, 70)), nodes=8), 3)
+    assert found["pixels_different"] == 0
+    assert found["predicted_clocks_per_pixel"] == pytest.approx(found["clocks_per_pixel"], rel=.01)
 
 
 def test_a_shaking_camera_stands_still(small):
@@ -77,13 +94,17 @@ def test_the_command(small, monkeypatch, capsys, tmp_path):
     monkeypatch.setattr(command, "example_camera", small_camera)
     monkeypatch.setattr(command, "trained_lens", lambda camera: small[1])
     monkeypatch.setattr(command, "view_lens", lambda name, neurons: seen_lens())
-    path = tmp_path / "view.json"
+    path, planned = tmp_path / "view.json", []
+    monkeypatch.setattr(command, "clocks_of", lambda descriptor, views: planned.append(views) or {
+        "clocks_per_pixel": 1.0, "predicted_clocks_per_pixel": 1.009, "pixels_different": 0})
     assert main(["bench", "view", "--lens", "PC105", "--views", "2", "--frames", "2", "--json",
                  str(path)]) == 0
+    assert planned == [2]
     report = json.loads(path.read_text())
     assert [row["lens"] for row in report["rows"]] == ["PC105"]
     assert report["steadiness"]["frames"] == 2
-    assert main(["bench", "view", "--lens", "PC105", "--views", "2", "--frames", "2"]) == 0
+    assert main(["bench", "view", "--lens", "PC105", "--views", "2", "--frames", "2",
+                 "--no-simulation"]) == 0
     assert "from frame to frame by 0.0" in capsys.readouterr().out
     assert main(["bench", "view", "--frames", "1"]) == 2
     assert "--frames is 1, 2 is the limit" in capsys.readouterr().err

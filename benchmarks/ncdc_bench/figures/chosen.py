@@ -54,6 +54,17 @@ def _train_camera(report):
     return {"rows": rows, "added_max": max(row["added"] for row in rows.values())}
 
 
+def _view(report):
+    """A row for each lens, px; and how still points stand, px."""
+    return {"rows": {_slug(row["lens"]): {"lens": row["lens"], "views": row["views"], **{
+        name: row[key] for name, key in (
+            ("view_max", "map_error_max_px"), ("lens_max", "lens_error_max_px"),
+            ("filled", "wrongly_filled"), ("blank", "wrongly_blank"),
+            ("clocks", "clocks_per_pixel"), ("predicted", "predicted_clocks_per_pixel"),
+            ("differ", "pixels_different"))}}
+        for row in report["rows"]}, "steady": report["steadiness"]}
+
+
 def _train_points(report):
     """A row for each trainer: MSE in px², of real numbers."""
     return {row["trainer"]: {"trainer": row["trainer"], **{
@@ -286,6 +297,7 @@ GROUPS = {
                    "opencv-full mesh128-bicubic ncdc",
                    ("lines_missed", "straightness_rms_px"), chosen_maps.lines),
     "nodes": Group("ncdc bench nodes", ("curvature_px", "added_max_px"), chosen_maps.nodes),
+    "view": Group("ncdc bench view", ("steadiness", "clocks_per_pixel"), _view),
 }
 
 

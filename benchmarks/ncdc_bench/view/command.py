@@ -3,6 +3,7 @@
 from ncdc.cli.common import add_json, write_report
 from ncdc.terminal import Progress
 from ncdc_bench.reference_lenses import REFERENCE_LENSES
+from ncdc_bench.view.clocks import clocks_of
 from ncdc_bench.view.measure import row_of, view_lens
 from ncdc_bench.view.steadiness import steadiness, trained_lens
 from ncdc_model.example import example_camera
@@ -17,6 +18,8 @@ EXAMPLE = "ncdc bench view --lens 105kb --views 20"
 _LENSES = ("PC105", "105kb", "120br", "120dbr")
 _ADDED = 0.01           # px that a view may add to the lens's own error
 _STEADY = 0.3           # px rms from frame to frame
+_PLANNED = 20           # views of each lens whose clocks are predicted
+_OFF = 0.01             # of its clocks that a prediction may be off
 
 
 def add_arguments(parser):
@@ -28,6 +31,8 @@ def add_arguments(parser):
                         help="hidden neurons (default: 12)")
     parser.add_argument("--views", type=int, default=200, metavar="N",
                         help="random views of each lens (default: 200)")
+    parser.add_argument("--no-simulation", action="store_true",
+                        help="leave out the frames on the generated Verilog")
     parser.add_argument("--frames", type=int, default=60, metavar="N",
                         help="of the shaking camera, at 30 per second (default: 60)")
     add_json(parser)
@@ -40,8 +45,11 @@ def run(args):
             raise InputError(f"--{name} is {getattr(args, name)}, {low} is the limit")
     rows, progress, parts = [], Progress("views"), len(args.lens) + 1
     for k, lens in enumerate(args.lens):
-        rows.append(row_of(lens, view_lens(lens, args.neurons), args.views,
+        descriptor = view_lens(lens, args.neurons)
+        rows.append(row_of(lens, descriptor, args.views,
                            lambda fraction, k=k: progress((k + fraction) / parts)))
+        if not args.no_simulation:
+            rows[-1] |= clocks_of(descriptor, min(args.views, _PLANNED))
     camera = example_camera()
     steady = steadiness(camera, trained_lens(camera), args.frames,
                         progress=lambda fraction: progress((parts - 1 + fraction) / parts))
@@ -64,6 +72,14 @@ def complaints(rows, steady):
         found += [f"{row['lens']}: {row[name]} pixels are {text}" for name, text in (
             ("wrongly_filled", "filled without a source"),
             ("wrongly_blank", "blank with a source")) if row[name]]
+        if "clocks_per_pixel" in row:
+            ratio = row["predicted_clocks_per_pixel"] / row["clocks_per_pixel"]
+            if abs(ratio - 1) > _OFF:
+                found.append(f"{row['lens']}: {ratio:.3f} of the clocks are predicted, 1 % off is "
+                             f"the limit")
+            if row["pixels_different"]:
+                found.append(f"{row['lens']}: {row['pixels_different']} pixels of the Verilog are "
+                             f"not the golden model's")
     if steady["moved_px_rms"] > _STEADY:
         found.append(f"a point moves by {steady['moved_px_rms']:.2f} px rms from frame to frame, "
                      f"the limit is {_STEADY}")
@@ -73,10 +89,11 @@ def complaints(rows, steady):
 def table(rows, steady):
     """The figures as text."""
     lines = ["largest error of a source in px, pixels that are filled or blank and should not be",
-             f"{'lens':<7} {'views':>5} {'view':>8} {'lens':>8} {'filled':>6} {'blank':>6}"]
+             f"{'lens':<7} {'views':>5} {'view':>8} {'lens':>8} {'filled':>6} {'blank':>6} "
+             f"{'clocks/pixel':>12} {'predicted':>9} {'differ':>6}"]
     lines += [f"{row['lens']:<7} {row['views']:5d} {row['map_error_max_px']:8.5f} "
               f"{row['lens_error_max_px']:8.5f} {row['wrongly_filled']:6d} "
-              f"{row['wrongly_blank']:6d}" for row in rows]
+              f"{row['wrongly_blank']:6d} " + _clocks(row) for row in rows]
     return "\n".join([
         *lines, "",
         f"a camera that shakes by {steady['shake_degrees_rms']:g} degrees rms about each axis, "
@@ -85,3 +102,10 @@ def table(rows, steady):
         f"a point moves from frame to frame by {steady['moved_px_rms']:.3f} px rms; "
         f"{steady['moved_px_rms_frame']:.3f} px with one matrix per frame, "
         f"{steady['moved_px_rms_without']:.1f} px without stabilisation"])
+
+
+def _clocks(row):
+    if "clocks_per_pixel" not in row:
+        return f"{'-':>12} {'-':>9} {'-':>6}"
+    return (f"{row['clocks_per_pixel']:12.5f} {row['predicted_clocks_per_pixel']:9.5f} "
+            f"{row['pixels_different']:6d}")
