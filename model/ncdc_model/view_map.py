@@ -13,7 +13,7 @@ _NOWHERE = -16.0        # far enough outside for the border colour with any inte
 
 
 def plane_points(matrix, u, v):
-    """Points (u, v) of the trained picture of a view's pixels; not-a-number behind the camera.
+    """Points (u, v) of the trained picture of a view's pixels; not-a-number if not in front of it.
 
     ``matrix``: shape (..., 3, 3), as of :func:`ncdc_spec.view_matrix.view_matrix`.
     """
@@ -26,7 +26,7 @@ def plane_points(matrix, u, v):
 def view_map(descriptor, size, matrix):
     """Source pixels map_x, map_y, float32 (height, width), of a view, and ``blank``, bool.
 
-    A pixel is blank if its point of the trained picture is behind the camera, outside, or has no
+    A pixel is blank if its point of the trained picture is not in front of the camera, is outside, or has no
     source: the nearest pixel decides. As in hardware it is also blank if its source is more than a
     pixel outside of the raw frame. The map there is -16. The network is the descriptor's, in real
     numbers.

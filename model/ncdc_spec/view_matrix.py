@@ -23,7 +23,7 @@ import numpy as np
 from ncdc_spec.errors import InputError
 from ncdc_spec.view import View
 
-__all__ = ["Angles", "LIMITS", "PlaneCamera", "has_plane", "view_looking", "view_matrix"]
+__all__ = ["Angles", "LIMITS", "PlaneCamera", "has_plane", "view_matrix"]
 
 LIMITS = {"pan": (-90.0, 90.0), "tilt": (-90.0, 90.0), "roll": (-180.0, 180.0),
           "zoom": (0.25, 8.0)}
@@ -114,6 +114,21 @@ class PlaneCamera:
         centre = middle + scale * (np.array(self.centre) - (np.array(self.size) - 1) / 2)
         return PlaneCamera(size, zoom * scale * self.focal, tuple(centre.tolist()), self.aspect)
 
+    def looking(self, angles, size=None):
+        """The :class:`~ncdc_spec.view.View` of ``angles`` and ``size``, by default the same.
+
+        Raises
+        ------
+        InputError
+            If the view is so far off the axis that its matrix does not fit the registers.
+        """
+        view = self.view(size, angles.zoom)
+        try:
+            return View.of(view_matrix(self, view, angles.rotation), view.size)
+        except InputError as error:
+            named = ", ".join(f"{name} {getattr(angles, name):g}" for name in LIMITS)
+            raise InputError(f"{named} is too far off the axis: {error}") from error
+
 
 def has_plane(descriptor):
     """Whether the descriptor states the camera of its corrected picture."""
@@ -123,7 +138,7 @@ def has_plane(descriptor):
 def view_matrix(trained, view, rotation):
     """Matrix (..., 3, 3) from pixels (u, v, 1) of a view to those of the trained picture.
 
-    The third element of the product is the depth: what is not positive is behind the camera.
+    The third element of the product is the depth: what is in front of the camera has a positive one.
 
     Parameters
     ----------
@@ -132,16 +147,3 @@ def view_matrix(trained, view, rotation):
         From the axes of the view to those of the trained camera.
     """
     return trained.matrix @ rotation @ np.linalg.inv(view.matrix)
-
-
-def view_looking(descriptor, angles, size=None):
-    """The :class:`~ncdc_spec.view.View` of ``angles`` and ``size``, by default the trained size.
-
-    Raises
-    ------
-    InputError
-        If the descriptor does not state its focal length, or the view is beyond its formats.
-    """
-    trained = PlaneCamera.of(descriptor)
-    view = trained.view(size, angles.zoom)
-    return View.of(view_matrix(trained, view, angles.rotation), view.size)

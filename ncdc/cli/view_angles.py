@@ -7,7 +7,7 @@ from ncdc_model.stabilise.stabiliser import Stabiliser
 from ncdc_model.view_map import view_map
 from ncdc_spec.errors import InputError
 from ncdc_spec.geometry import MAX_SIZE, MIN_SIZE
-from ncdc_spec.view_matrix import LIMITS, Angles, PlaneCamera, view_looking, view_matrix
+from ncdc_spec.view_matrix import LIMITS, Angles, PlaneCamera, view_matrix
 
 __all__ = ["add_stabilisation", "add_view", "view_of"]
 
@@ -75,7 +75,7 @@ class ChosenView:
         Only films that are remapped in their colours are stabilised.
     """
     def __init__(self, args, descriptor, angles):
-        trained = PlaneCamera.of(descriptor)
+        self._trained = trained = PlaneCamera.of(descriptor)
         camera = trained.view(_size(args.view_size), angles.zoom)
         self._descriptor, self.size, self.angles = descriptor, camera.size, angles
         self._matrix = view_matrix(trained, camera, angles.rotation)
@@ -108,7 +108,7 @@ class ChosenView:
         if self.stabiliser:
             raise InputError("--gyro is given, it needs a film that is remapped in its colours "
                              "(--film bilinear or lanczos)")
-        return view_looking(self._descriptor, self.angles, self.size)
+        return self._trained.looking(self.angles, self.size)
 
     @property
     def report(self):

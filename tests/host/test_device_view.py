@@ -14,7 +14,7 @@ from ncdc_model.golden.corrector import correct
 from ncdc_spec.protocols import gvcp
 from ncdc_spec.protocols.features import VIEW_FEATURES, feature, register_number
 from ncdc_spec.protocols.genicam import genicam_xml
-from ncdc_spec.view_matrix import LIMITS, Angles, view_looking
+from ncdc_spec.view_matrix import LIMITS, Angles, PlaneCamera
 
 USER = "127.1.1.1", 5000
 
@@ -68,6 +68,14 @@ def test_a_device_without_a_view(lens):
             assert read(one, known.name) == (gvcp.INVALID_ADDRESS, None)
 
 
+def test_a_view_that_does_not_fit_the_registers_is_rejected():
+    with device([view_lens(), view_lens(2, 3000)]) as one:
+        controlled(one)
+        pan = feature("Pan").address
+        assert write(one, pan, 9000) == gvcp.INVALID_PARAMETER
+        assert read(one, "Pan") == (0, 0) and write(one, pan, 4500) == gvcp.SUCCESS
+
+
 def picture(one):
     frame = one.camera.newest()
     return np.frombuffer(frame.data, np.uint8).reshape(*SIZE[::-1], 3)[..., ::-1]
@@ -82,7 +90,7 @@ def test_pictures_of_a_view_are_the_golden_model_s():
             for known in VIEW_FEATURES[:-1]:
                 value = round(getattr(angles, known.name.lower()) * known.scale[1])
                 assert write(one, known.address, value) == gvcp.SUCCESS
-            wanted = correct(lens, raw, view=view_looking(lens, angles)).picture
+            wanted = correct(lens, raw, view=PlaneCamera.of(lens).looking(angles)).picture
             np.testing.assert_array_equal(picture(one), wanted)
         one.registers.write(feature("CorrectionEnable").table[0], 0)
         np.testing.assert_array_equal(
@@ -100,7 +108,7 @@ def test_a_lens_that_is_loaded_has_the_view_of_the_one_before():
         write(one, gvcp.register("ControlPrivilege").address, 0)
         with open_device(f"gige://{one.options.address}") as client:
             client.load_lens(other)
-        wanted = correct(other, raw, view=view_looking(other, Angles(pan=8))).picture
+        wanted = correct(other, raw, view=PlaneCamera.of(other).looking(Angles(pan=8))).picture
         np.testing.assert_array_equal(picture(one), wanted)
 
 

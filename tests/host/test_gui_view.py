@@ -13,7 +13,7 @@ from guis import SECONDS, announced, pixels_of, tab_on, url_of
 from ncdc_host.gui.main_window import MainWindow
 from ncdc_model.example import noise_picture
 from ncdc_model.golden.corrector import correct
-from ncdc_spec.view_matrix import Angles, view_looking
+from ncdc_spec.view_matrix import Angles, PlaneCamera
 
 FOCAL = 41.26
 
@@ -62,8 +62,9 @@ def test_dragging_moves_what_is_under_the_cursor(qtbot, tab):
     until(qtbot, tab, Pan=-pan, Tilt=tilt, Roll=0, Zoom=1)
     assert tab.view.scale == scale and tab.view.fitted == fitted
     assert tab.settings.looks["Pan"].value == pytest.approx(-pan, abs=.011)
-    wanted = correct(view_lens(), noise_picture(*SIZE), view=view_looking(
-        view_lens(), Angles(**{name.lower(): value for name, value in angles(tab).items()})))
+    looking = Angles(**{name.lower(): value for name, value in angles(tab).items()})
+    wanted = correct(view_lens(), noise_picture(*SIZE),
+                     view=PlaneCamera.of(view_lens()).looking(looking))
     qtbot.waitUntil(lambda: (pixels_of(tab.shown.image) == wanted.picture).all(), timeout=SECONDS)
 
 

@@ -115,6 +115,16 @@ def test_limits(name, value):
         Angles(**{name: value})
 
 
+def test_the_view_of_angles_is_that_of_their_matrix():
+    view = TRAINED.looking(Angles(pan=20, tilt=-7, roll=30, zoom=2), (80, 56))
+    matrix = matrix_of((80, 56), pan=20, tilt=-7, roll=30, zoom=2)
+    assert view.size == (80, 56)
+    np.testing.assert_allclose(view.real / view.real[2, 2], matrix / matrix[2, 2], atol=1e-4)
+    far = PlaneCamera(SIZE, 9000.0, (46.5, 33.0))
+    with pytest.raises(InputError, match="pan 90, tilt 0, roll 0, zoom 1 is too far off the axis"):
+        far.looking(Angles(pan=90))
+
+
 def test_a_descriptor_without_a_focal_length():
     with pytest.raises(InputError, match="does not state the focal length"):
         PlaneCamera.of(barrel_descriptor())

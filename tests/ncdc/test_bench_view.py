@@ -51,7 +51,7 @@ def test_clocks_and_pixels_that_are_off_are_seen():
         "3 pixels of the Verilog are not the golden model's"]
 
 
-@pytest.mark.longer
+@pytest.mark.regress
 def test_the_slowest_view_is_as_fast_as_predicted():
     found = clocks_of(replace(seen_lens((200, 136), 125, (99, 70)), nodes=8), 3)
     assert found["pixels_different"] == 0

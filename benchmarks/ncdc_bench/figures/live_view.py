@@ -30,7 +30,7 @@ _TURN = 25              # degrees, of the drawing
 # Title, name of the axis to the right, name of the one upwards, angle, its sign on the paper.
 _PANELS = (("from above", "x: right", "z: forward", "pan", -1),
            ("from the right", "z: forward", "-y: up", "tilt", 1),
-           ("from behind", "x: right", "-y: up", "roll", -1))
+           ("from the back", "x: right", "-y: up", "roll", -1))
 _FRAMES, _READOUT, _FPS = 12, 0.016, 30.0
 _CROP = np.s_[120:360, 160:480]         # of the corrected picture
 _QUALITY = 86           # of JPEG
@@ -42,11 +42,11 @@ def angles_figure():
     """The :class:`Figure` of the angles' signs, each seen along the axis that it turns about."""
     figure = Figure(figsize=(10, 3.7))
     for axes, (title, right, up, name, sign) in zip(figure.subplots(1, 3), _PANELS):
-        beside = .06 if name == "roll" else -.14
-        for (x, y), text, place in (((1, 0), right, (1.06, beside)), ((0, 1), up, (-.05, 1.1))):
+        below = .06 if name == "roll" else -.14
+        for (x, y), text, position in (((1, 0), right, (1.06, below)), ((0, 1), up, (-.05, 1.1))):
             axes.annotate("", (x, y), (0, 0), arrowprops={"arrowstyle": "-|>", "color": _LINE,
                                                           "linewidth": 1.6})
-            axes.text(*place, text, color=_LINE, ha="right" if x else "left", fontsize=10)
+            axes.text(*position, text, color=_LINE, ha="right" if x else "left", fontsize=10)
         # The camera looks along z; of a roll its right side shows the turn.
         ahead = 90 if name == "pan" else 0
         turn = np.radians(ahead + sign * _TURN)

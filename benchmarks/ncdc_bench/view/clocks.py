@@ -12,7 +12,7 @@ from ncdc_model.planner.timing import predict_clocks
 from ncdc_sim.system.corrector import simulate_correction
 from ncdc_spec.frames import FrameAddresses
 from ncdc_spec.hardware import Hardware
-from ncdc_spec.view_matrix import view_looking
+from ncdc_spec.view_matrix import PlaneCamera
 
 __all__ = ["clocks_of"]
 
@@ -34,13 +34,12 @@ def clocks_of(descriptor, views):
     chosen = plan(descriptor, _HARDWARE, _MEMORY,
                   lambda hardware: Corrector(descriptor, hardware).timing).hardware
     timing = Corrector(descriptor, chosen).timing
-    found = []
+    trained, found = PlaneCamera.of(descriptor), []
     for angles in random_angles(views):
-        view = view_looking(descriptor, angles)
-        found.append((_predicted(descriptor, chosen, timing, view), angles))
+        found.append((_predicted(descriptor, chosen, timing, trained.looking(angles)), angles))
     predicted, slowest = max(found, key=lambda pair: pair[0])
     raw = np.random.default_rng(1).integers(0, 256, descriptor.geometry.distorted[::-1], np.uint8)
-    report = simulate_correction(descriptor, raw, chosen, view=view_looking(descriptor, slowest),
+    report = simulate_correction(descriptor, raw, chosen, view=trained.looking(slowest),
                                  memory=_MEMORY).report()
     return {"clocks_per_pixel": report["clocks_per_pixel"],
             "predicted_clocks_per_pixel": predicted,

@@ -10,7 +10,7 @@ from ncdc_bench.reference_lenses import ReferenceLens
 from ncdc_model.evaluate import evaluate_frame, float_map
 from ncdc_model.golden.picture import window_address
 from ncdc_model.golden.view import view_coordinates
-from ncdc_spec.view_matrix import Angles, view_looking
+from ncdc_spec.view_matrix import Angles, PlaneCamera
 
 __all__ = ["RANGE", "random_angles", "row_of", "view_lens"]
 
@@ -68,7 +68,7 @@ def _compared(descriptor, angles):
     geometry, coordinate = descriptor.geometry, descriptor.formats.coordinate
     width, height = geometry.corrected
     v, u = np.mgrid[0:height:_ROWS, 0:width]
-    x, y, valid = view_coordinates(descriptor, view_looking(descriptor, angles), u, v)
+    x, y, valid = view_coordinates(descriptor, PlaneCamera.of(descriptor).looking(angles), u, v)
     *_, inside = window_address(x, y, geometry, coordinate)
     filled = valid & inside
     column, row = _true_positions(descriptor, angles, u, v)
@@ -84,7 +84,7 @@ def _compared(descriptor, angles):
 
 
 def _true_positions(descriptor, angles, u, v):
-    """Positions in the trained picture, far outside of it for what is behind the camera."""
+    """Positions in the trained picture, far outside of it for what is not in front of the camera."""
     focal, *centre = descriptor.provenance["frame"]
     turn = Rotation.from_euler("YXZ", [angles.pan, angles.tilt, angles.roll], degrees=True)
     a, b = ((part - middle) / (angles.zoom * focal) for part, middle in zip((u, v), centre))

@@ -62,7 +62,7 @@ def steadiness(camera, descriptor, frames, smoothing=0.5, progress=lambda fracti
     dict
         ``frames``, ``points``; ``shake_degrees_rms`` about each axis, ``shake_rate_rms`` in
         degrees per second, ``readout_ms``. ``moved_px_rms``: of the distance between a point's
-        places in two successive pictures, in pixels; ``moved_px_max``; ``moved_px_rms_frame``: with
+        positions in two successive pictures, in pixels; ``moved_px_max``; ``moved_px_rms_frame``: with
         one matrix for all rows of a frame, ``moved_px_rms_without``: without stabilisation.
         ``off_px_rms``, ``off_px_max``: distance from where the view should show a point.
     """
@@ -75,23 +75,23 @@ def steadiness(camera, descriptor, frames, smoothing=0.5, progress=lambda fracti
     rays = np.stack([*np.meshgrid(grid, grid), np.ones((len(grid),) * 2)], axis=-1).reshape(-1, 3)
     samples = ideal_samples(camera)
     origin = matrices(shaking.shake.orientation(-_LEAD))
-    places = {"held": [], "frame": [], "free": [], "wanted": []}
+    positions = {"held": [], "frame": [], "free": [], "wanted": []}
     for k in range(frames):
         seconds = k / _FPS
         raw = np.clip(np.rint(shaking.frame(seconds, samples, discs)), 0, 255).astype(np.uint8)
         steady = origin @ matrices(gyroscope.smooth(seconds + _READOUT / 2, smoothing))
         held, rows = _pixels(trained, rays @ steady), stabiliser.matrices(seconds)
-        places["wanted"].append(held)
+        positions["wanted"].append(held)
         for name, matrix, near in (
                 ("held", rows, held), ("frame", rows[len(rows) // 2], held),
                 ("free", np.eye(3), _pixels(trained, shaking.direction(rays, seconds)))):
             maps = view_map(descriptor, trained.size, matrix)
-            places[name].append(_centres(raw, maps, near, trained.focal))
+            positions[name].append(_centres(raw, maps, near, trained.focal))
         progress((k + 1) / frames)
-    places = {name: np.array(found) for name, found in places.items()}
-    off = np.linalg.norm(places["held"] - places["wanted"], axis=-1)
+    positions = {name: np.array(found) for name, found in positions.items()}
+    off = np.linalg.norm(positions["held"] - positions["wanted"], axis=-1)
     moved = {name: np.linalg.norm(np.diff(found, axis=0), axis=-1)
-             for name, found in places.items()}
+             for name, found in positions.items()}
     return {"frames": frames, "points": int(np.isfinite(moved["held"]).any(axis=0).sum()),
             "shake_degrees_rms": _DEGREES, "readout_ms": 1000 * _READOUT,
             "shake_rate_rms": float(np.degrees(np.sqrt((gyroscope.rates**2).mean()))),
@@ -111,14 +111,14 @@ def _pixels(camera, rays):
     return points[:, :2] / points[:, 2:]
 
 
-def _centres(raw, maps, places, focal):
-    """Centres (n, 2) of the discs near ``places`` in the picture; not-a-number if one is cut."""
+def _centres(raw, maps, positions, focal):
+    """Centres (n, 2) of the discs near ``positions`` in the picture; not-a-number if one is cut."""
     *source, blank = maps
     picture = cv2.remap(raw[..., 1], *source, cv2.INTER_LINEAR)
     reach = round(_MARGIN * _RADIUS * focal)
     height, width = picture.shape
-    found = np.full(places.shape, np.nan)
-    for k, (u, v) in enumerate(np.rint(np.nan_to_num(places, nan=-1e6)).astype(int)):
+    found = np.full(positions.shape, np.nan)
+    for k, (u, v) in enumerate(np.rint(np.nan_to_num(positions, nan=-1e6)).astype(int)):
         if not (reach <= u < width - reach and reach <= v < height - reach):
             continue
         window = np.s_[v - reach:v + reach + 1, u - reach:u + reach + 1]

@@ -11,11 +11,11 @@ import numpy as np
 from ncdc_host.device.auto_control import level_of
 from ncdc_host.device.registers import Settings
 from ncdc_host.device.sensor import Exposure, expose
-from ncdc_model.correction import coloured, correction_of
+from ncdc_model.correction import Correction, coloured
 from ncdc_model.golden.colour import ColourSums
 from ncdc_spec.colour import Colour
 from ncdc_spec.pixel_formats import PixelFormat, packed
-from ncdc_spec.view_matrix import Angles, view_looking
+from ncdc_spec.view_matrix import Angles, PlaneCamera
 
 __all__ = ["Camera", "Frame", "Picture", "picture_of"]
 
@@ -90,6 +90,7 @@ class Camera:
         self._reset = time.monotonic_ns()
         self._lock = threading.Lock()           # of rendering and of what it keeps
         self._pictures = OrderedDict()
+        self._looking = None                    # the last view's correction, and what it is of
         self._newest = None
         with registers.lock:
             self._anchor = (0, 0, registers.settings.rate_tenths)
@@ -179,12 +180,22 @@ class Camera:
             self._pictures.move_to_end(key)
             return self._pictures[key]
         picture = picture_of(self.raw(settings, position, seed), settings,
-                             corrections[settings.lens])
+                             self._looking_as(settings, corrections[settings.lens]))
         self._pictures[key] = picture
         while len(self._pictures) > _CACHED or sum(
                 p.data.nbytes for p in self._pictures.values()) > _CACHED_BYTES:
             self._pictures.popitem(last=False)
         return picture
+
+    def _looking_as(self, settings, correction):
+        """The :class:`Correction` of the view of ``settings``; the last one stays, for speed."""
+        if settings.angles == Angles() or settings.view.pixel_format.raw:
+            return correction
+        if self._looking is None or self._looking[:2] != (correction, settings.angles):
+            lens = correction.descriptor
+            self._looking = (correction, settings.angles, Correction(
+                lens, correction.model, PlaneCamera.of(lens).looking(settings.angles)))
+        return self._looking[2]
 
     def raw(self, settings, position, seed):
         """The whole raw frame of those settings as capture stores it, not mirrored."""
@@ -205,7 +216,7 @@ def picture_of(raw, settings, correction):
     if view.pixel_format.raw:
         raw = raw[view.y:view.y + view.height, view.x:view.x + view.width]
     else:
-        corrected = _looking(correction, settings.angles)(raw, settings.colour.crest)
+        corrected = correction(raw, settings.colour.crest)
         sums = _sums(corrected, correction.descriptor.geometry.fill)
         whole = corrected.picture
         if settings.colour != Colour():
@@ -216,14 +227,6 @@ def picture_of(raw, settings, correction):
         whole = whole[::-1]
     part = whole[view.y:view.y + view.height, view.x:view.x + view.width]
     return Picture(packed(part, view.pixel_format), level_of(raw), sums)
-
-
-def _looking(correction, angles):
-    """The :class:`Correction` of a view of the same lens."""
-    if angles == Angles():
-        return correction
-    view = view_looking(correction.descriptor, angles)
-    return correction_of(correction.descriptor, correction.model, view)
 
 
 def _sums(corrected, fill):

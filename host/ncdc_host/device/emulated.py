@@ -111,12 +111,12 @@ def lens_corrections(descriptors):
     return [Correction(descriptor) for descriptor in descriptors]
 
 
-def _focals(corrections):
-    """Focal lengths of the lenses of a device with a view; none if a lens cannot have one."""
+def _planes(corrections):
+    """Cameras of the lenses' corrected pictures; none if a lens cannot have a view."""
     lenses = [correction.descriptor for correction in corrections]
     if not all(has_plane(lens) and lens.nodes > 1 for lens in lenses):
         return ()
-    return [PlaneCamera.of(lens).focal for lens in lenses]
+    return [PlaneCamera.of(lens) for lens in lenses]
 
 
 class EmulatedDevice:
@@ -148,7 +148,7 @@ class EmulatedDevice:
         descriptor = corrections[0].descriptor
         light = MovingScene(descriptor) if image is None else Photo(image, descriptor.geometry)
         self.registers = Registers(descriptor.geometry, len(corrections), round(10 * options.fps),
-                                   options.field, _focals(corrections))
+                                   options.field, _planes(corrections))
         self.camera = Camera(light, corrections, self.registers, options.noise)
         self._closed = threading.Event()
         with ExitStack() as opened:

@@ -55,6 +55,12 @@ def _framing(geometry, field):
     return plan.settings, field_values(plan, crop, geometry)
 
 
+def _angles_of(numbers):
+    """The :class:`Angles` of the registers of :data:`VIEW_FEATURES`, by name."""
+    return Angles(**{name.lower(): number / feature(name).scale[1]
+                     for name, number in numbers.items()})
+
+
 class Rejected(Exception):
     """A write that the device does not carry out.
 
@@ -120,8 +126,8 @@ class Registers:
     field : str, optional
         Part of the sensor that raw frames show, as of
         :func:`ncdc_spec.sensors.framing.setup_around`.
-    focals : sequence of float, optional
-        Focal length in pixels of each lens's corrected picture, for a device with a view.
+    planes : sequence of PlaneCamera, optional
+        Camera of each lens's corrected picture, for a device with a view.
 
     Attributes
     ----------
@@ -143,14 +149,14 @@ class Registers:
     InputError
         If the raw frames cannot show that part of the sensor.
     """
-    def __init__(self, geometry, lenses, rate_tenths, field=None, focals=()):
+    def __init__(self, geometry, lenses, rate_tenths, field=None, planes=()):
         self.lock = threading.RLock()
         self._geometry, self._lens_max = geometry, lenses - 1
         self._on_change = []
         self.bus_accesses = 0
         self._streaming = False
         self._colour = Colour()
-        self.has_view, self._focals = bool(focals), focals
+        self.has_view, self._planes = bool(planes), planes
         self._angles = {one.name: round(getattr(Angles(), one.name.lower()) * one.scale[1])
                         for one in VIEW_FEATURES if one.access == "rw"}
         self.auto = dict.fromkeys(AUTO_FEATURES, OFF)
@@ -180,7 +186,7 @@ class Registers:
             gain = max(8, word[sensor.GLOBAL_GAIN] & 63)
             return Settings(self._view, self._lens, self.lines * self._line_ns(), gain,
                             word[sensor.TEST_PATTERN], self._rate, self._colour,
-                            self._looking())
+                            _angles_of(self._angles))
 
     @property
     def lines(self):
@@ -221,23 +227,25 @@ class Registers:
             gains[selected] = gain
             self.set_colour(replace(self._colour, raw_gains=tuple(gains)))
 
-    def _looking(self):
-        """The :class:`Angles` of the view's features."""
-        return Angles(**{name.lower(): number / feature(name).scale[1]
-                         for name, number in self._angles.items()})
-
     def read_angle(self, one):
         """The number in the register of one of the view's features."""
         with self.lock:
             if one.name == "ViewFocal":
-                return round(self._focals[self._lens] * one.scale[1])
+                return round(self._planes[self._lens].focal * one.scale[1])
             return self._angles[one.name]
 
     def write_angle(self, one, number):
-        """Write such a register, within its limits."""
+        """Write such a register, within its limits; raises :class:`Rejected` if a lens cannot look
+        so far off its axis."""
         with self.lock:
-            if self._angles[one.name] != number:
-                self._angles[one.name] = number
+            wanted = self._angles | {one.name: number}
+            try:
+                for plane in self._planes:
+                    plane.looking(_angles_of(wanted))
+            except InputError:
+                raise Rejected("value") from None
+            if wanted != self._angles:
+                self._angles = wanted
                 self._change()
 
     def _change(self):
