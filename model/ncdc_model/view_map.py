@@ -26,10 +26,10 @@ def plane_points(matrix, u, v):
 def view_map(descriptor, size, matrix):
     """Source pixels map_x, map_y, float32 (height, width), of a view, and ``blank``, bool.
 
-    A pixel is blank if its point of the trained picture is not in front of the camera, is outside, or has no
-    source: the nearest pixel decides. As in hardware it is also blank if its source is more than a
-    pixel outside of the raw frame. The map there is -16. The network is the descriptor's, in real
-    numbers.
+    A pixel is blank if it is not in front of the camera, or its point of the trained picture is
+    outside or has no source: the nearest pixel decides. As in hardware it is also blank if its
+    source is more than a pixel outside of the raw frame. The map there is -16. The network is the
+    descriptor's, in real numbers.
 
     Parameters
     ----------

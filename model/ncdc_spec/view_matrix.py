@@ -138,7 +138,7 @@ def has_plane(descriptor):
 def view_matrix(trained, view, rotation):
     """Matrix (..., 3, 3) from pixels (u, v, 1) of a view to those of the trained picture.
 
-    The third element of the product is the depth: what is in front of the camera has a positive one.
+    The third element of the product is the depth, positive in front of the camera.
 
     Parameters
     ----------

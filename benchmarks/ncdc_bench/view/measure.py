@@ -84,7 +84,7 @@ def _compared(descriptor, angles):
 
 
 def _true_positions(descriptor, angles, u, v):
-    """Positions in the trained picture, far outside of it for what is not in front of the camera."""
+    """Positions in the trained picture; what is not in front of the camera is far outside."""
     focal, *centre = descriptor.provenance["frame"]
     turn = Rotation.from_euler("YXZ", [angles.pan, angles.tilt, angles.roll], degrees=True)
     a, b = ((part - middle) / (angles.zoom * focal) for part, middle in zip((u, v), centre))

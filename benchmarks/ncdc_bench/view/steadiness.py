@@ -61,9 +61,9 @@ def steadiness(camera, descriptor, frames, smoothing=0.5, progress=lambda fracti
     -------
     dict
         ``frames``, ``points``; ``shake_degrees_rms`` about each axis, ``shake_rate_rms`` in
-        degrees per second, ``readout_ms``. ``moved_px_rms``: of the distance between a point's
-        positions in two successive pictures, in pixels; ``moved_px_max``; ``moved_px_rms_frame``: with
-        one matrix for all rows of a frame, ``moved_px_rms_without``: without stabilisation.
+        degrees per second, ``readout_ms``. ``moved_px_rms``, ``moved_px_max``: of the distance
+        between a point's positions in two successive pictures, in pixels. ``moved_px_rms_frame``:
+        with one matrix for all rows of a frame; ``moved_px_rms_without``: without stabilisation.
         ``off_px_rms``, ``off_px_max``: distance from where the view should show a point.
     """
     shaking = ShakingCamera(camera, Shake(_DEGREES), _READOUT)
