@@ -73,9 +73,17 @@ def test_mirrored_and_rolled_pictures_are_dragged_alike(qtbot, tab):
     tab.set_feature("ReverseX", True)
     until(qtbot, tab, Roll=90)
     qtbot.waitUntil(lambda: tab.infos["ReverseX"].value, timeout=SECONDS)
-    # The view's right is down in the world, and it is shown at the left.
-    tab.steering.drag(QPointF(5, 0))
-    until(qtbot, tab, Pan=0, Tilt=math.degrees(math.atan(-5 / FOCAL)))
+    # The view's right is down in the world, and it is shown at the left; its lower side is left.
+    tab.steering.drag(QPointF(5, 3))
+    until(qtbot, tab, Pan=math.degrees(math.atan(3 / FOCAL)),
+          Tilt=math.degrees(math.atan(-5 / FOCAL)))
+
+
+def test_near_the_zenith_a_drag_turns_farther(qtbot, tab):
+    tab.set_feature("Tilt", 60.0)
+    until(qtbot, tab, Tilt=60)
+    tab.steering.drag(QPointF(4, 0))
+    until(qtbot, tab, Pan=-math.degrees(math.atan(4 / FOCAL / .5)), Tilt=60)
 
 
 def test_wheel_keys_and_reset(qtbot, tab):

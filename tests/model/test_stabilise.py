@@ -70,6 +70,13 @@ def test_smoothing_holds_a_shake_and_follows_a_turn():
     np.testing.assert_array_equal(gyroscope.smooth(2, 0), gyroscope.at(2))
 
 
+def test_smoothing_weighs_samples_by_their_time():
+    times = np.concatenate([np.arange(0, 2, .0005), np.arange(2, 4, .005)])
+    gyroscope = Gyroscope(times, np.tile([0, .3, 0], (len(times), 1)))
+    vector = Rotation.from_matrix(matrices(gyroscope.smooth(2, .3))).as_rotvec()
+    np.testing.assert_allclose(vector, [0, .6, 0], atol=1e-3)
+
+
 @pytest.mark.parametrize("time", [-.1, 1.1])
 def test_a_time_without_samples(time):
     gyroscope = Gyroscope(np.array([0., 1.]), np.zeros((2, 3)))
@@ -77,17 +84,19 @@ def test_a_time_without_samples(time):
         gyroscope.at(time)
 
 
-def test_each_raw_row_has_its_own_moment():
+@pytest.mark.parametrize("smoothing", [0, .2])
+def test_each_raw_row_has_its_own_moment(smoothing):
     lens, readout, begin = seen_lens(), .016, .3
     fine = np.arange(0, 1, 1e-4)
     _, rotations = shaking(fine, 3)
     gyroscope = Gyroscope(fine[:-1] + .5e-4, rates_of(rotations, 1e-4))
     trained, angles = PlaneCamera.of(lens), Angles(pan=5, roll=-3, zoom=1.5)
     view = trained.view((80, 56), angles.zoom)
-    stabiliser = Stabiliser(gyroscope, trained, view, angles.rotation, SIZE[1], readout, .1, .2)
+    stabiliser = Stabiliser(gyroscope, trained, view, angles.rotation, SIZE[1], readout, .1,
+                            smoothing)
     *maps, blank = view_map(lens, (80, 56), stabiliser.matrices(begin))
     mean_turn = (shaking(gyroscope.times[:1], 3)[1] * Rotation.from_matrix(
-        matrices(gyroscope.smooth(begin + .1 + readout / 2, .2)))).as_matrix()[0]
+        matrices(gyroscope.smooth(begin + .1 + readout / 2, smoothing)))).as_matrix()[0]
     back_map, compared = float_map(lens.exact_network, lens.geometry), 0
     for v, u in np.random.default_rng(3).integers(0, (56, 80), (60, 2)):
         ray = mean_turn @ angles.rotation @ np.linalg.inv(view.matrix) @ (u, v, 1)
