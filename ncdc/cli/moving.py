@@ -6,6 +6,7 @@ from ncdc.cli.common import raw_frame, read_photo, write_report
 from ncdc.cli.field import add_field, field_of, field_report
 from ncdc.cli.hardware import fixed_of, hardware_of, planned
 from ncdc.cli.renamed import add_renamed
+from ncdc.cli.view_angles import view_options
 from ncdc.cli.waves import waves_of
 from ncdc.terminal import Progress
 from ncdc_hdl.system import System
@@ -49,7 +50,8 @@ def run_moving(args, descriptor):
     for option, given in (("--line-clocks", args.line_clocks), ("--tone", args.tone),
                           ("--crest", None if args.crest == "off" else args.crest),
                           ("--white-balance", args.white_balance),
-                          ("--raw-balance", args.raw_balance), ("--matrix", args.matrix)):
+                          ("--raw-balance", args.raw_balance), ("--matrix", args.matrix),
+                          *view_options(args)):
         if given is not None:
             raise InputError(f"{option} is given with --sensor {args.sensor}, which does not take "
                              f"it")

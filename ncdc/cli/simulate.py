@@ -8,7 +8,7 @@ from ncdc.cli.common import add_json, add_samples, raw_frame, write_report
 from ncdc.cli.follow import add_follow, bound_of, follow_strip
 from ncdc.cli.hardware import add_hardware, add_view, fixed_of, hardware_of, planned
 from ncdc.cli.moving import add_moving, run_moving
-from ncdc.cli.view import add_matrix, matrix_view
+from ncdc.cli.view import add_simulated_view, simulated_view
 from ncdc.cli.waves import add_waves, waves_of
 from ncdc.terminal import Progress
 from ncdc_model.correction import correct
@@ -50,7 +50,7 @@ def add_arguments(parser) -> None:
     add_moving(parser)
     view = parser.add_argument_group("view")
     add_view(view)
-    add_matrix(view)
+    add_simulated_view(view)
     add_colour(parser.add_argument_group("colour"))
     add_samples(parser.add_argument_group("samples of the file"))
     add_json(parser)
@@ -67,9 +67,9 @@ def run(args) -> int | None:
     descriptor = Descriptor.load(args.descriptor)
     if args.sensor:
         return run_moving(args, descriptor)
-    view = matrix_view(args, descriptor.geometry)
+    view = simulated_view(args, descriptor)
     if view and args.follow:
-        raise InputError("--matrix and --follow are given, early start is planned for the trained "
+        raise InputError("--follow is given with a view, early start is planned for the trained "
                          "picture only")
     if args.field is not None:
         raise InputError(f"--field {args.field} is of a sensor: --camera NAME is needed")

@@ -9,7 +9,7 @@ from ncdc_spec.errors import InputError
 from ncdc_spec.geometry import MAX_SIZE, MIN_SIZE
 from ncdc_spec.view_matrix import LIMITS, Angles, PlaneCamera, view_matrix
 
-__all__ = ["add_stabilisation", "add_view", "view_of"]
+__all__ = ["add_stabilisation", "add_view", "view_of", "view_options"]
 
 _STABILISATION = {"gyro_axes": "x,y,z", "gyro_offset": 0.0, "readout_ms": 0.0, "smooth": 0.5}
 _TEXTS = {"pan": "degrees to the right", "tilt": "degrees up", "roll": "degrees clockwise",
@@ -54,13 +54,18 @@ def view_of(args, descriptor):
         file of samples is not usable.
     """
     given = {name: value for name in LIMITS if (value := getattr(args, name)) is not None}
-    if args.gyro is None:
+    if getattr(args, "gyro", None) is None:
         for name in _STABILISATION:
-            if getattr(args, name) is not None:
+            if getattr(args, name, None) is not None:
                 raise InputError(f"--{name.replace('_', '-')} is given, it needs --gyro")
         if not given and args.view_size is None:
             return None
     return ChosenView(args, descriptor, Angles(**given))
+
+
+def view_options(args):
+    """(option, value) of each option of :func:`add_view`; the value is None if it is not given."""
+    return [(f"--{name.replace('_', '-')}", getattr(args, name)) for name in (*LIMITS, "view_size")]
 
 
 class ChosenView:
@@ -80,7 +85,7 @@ class ChosenView:
         self._descriptor, self.size, self.angles = descriptor, camera.size, angles
         self._matrix = view_matrix(trained, camera, angles.rotation)
         self.stabiliser = self._still = None
-        if args.gyro is not None:
+        if getattr(args, "gyro", None) is not None:
             axes, offset, readout, smoothing = (
                 default if (value := getattr(args, name)) is None else value
                 for name, default in _STABILISATION.items())
