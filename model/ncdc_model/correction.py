@@ -13,11 +13,11 @@ import numpy as np
 from ncdc_model.compiled import coordinates as compiled
 from ncdc_model.compiled.corrector import CompiledCorrector
 from ncdc_model.compiled.library import library
+from ncdc_model.compiled.view import view_sources
 from ncdc_model.golden import colour as golden_colour
 from ncdc_model.golden import corrector as golden
 from ncdc_model.golden import network
 from ncdc_model.golden.corrector import Corrected, check_raw, window_bands
-from ncdc_model.golden.view import view_coordinates
 from ncdc_spec.descriptor import Descriptor
 from ncdc_spec.errors import InputError
 from ncdc_spec.geometry import scan_order
@@ -176,14 +176,7 @@ def _frame_sources(descriptor, view):
     if not view:
         return *frame_coordinates(descriptor), descriptor.valid.mask(
             descriptor.geometry.corrected_width)
-    width, height = view.size
-    x, y = np.empty((2, height, width), np.int32)
-    valid = np.empty((height, width), bool)
-    for top in range(0, height, _ROWS):
-        rows = slice(top, min(top + _ROWS, height))
-        v, u = np.mgrid[rows, 0:width]
-        x[rows], y[rows], valid[rows] = view_coordinates(descriptor, view, u, v)
-    return x, y, valid
+    return view_sources(descriptor, view)
 
 
 def coloured(corrected, colour, model=None):

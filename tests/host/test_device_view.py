@@ -69,7 +69,7 @@ def test_a_device_without_a_view(lens):
 
 
 def test_a_view_that_does_not_fit_the_registers_is_rejected():
-    with device([view_lens(), view_lens(2, 3000)]) as one:
+    with device([view_lens(), view_lens(2, 9000)]) as one:
         controlled(one)
         pan = feature("Pan").address
         assert write(one, pan, 9000) == gvcp.INVALID_PARAMETER

@@ -133,38 +133,42 @@ static void tansig(const struct tansig *t, int32_t *net, int count)
         net[k] = net[k] < 0 ? -u[k] : net[k] > 0 ? u[k] : 0;
 }
 
-/* The network at a grid: coordinates of rows times columns, from those of its rows and columns. */
-void network(const struct layers *l, const struct tansig *t, const int64_t *column, int columns,
-             const int64_t *row, int rows, int32_t *restrict out_x, int32_t *restrict out_y)
+/* The network at up to CHUNK points. */
+static void network_chunk(const struct layers *l, const struct tansig *t, const int64_t *x,
+                          const int64_t *y, int count, int32_t *restrict out_x,
+                          int32_t *restrict out_y)
 {
-    for (int v = 0; v < rows; v++)
-        for (int left = 0; left < columns; left += CHUNK) {
-            const int count = columns - left < CHUNK ? columns - left : CHUNK;
-            const int64_t *x = column + left, y = row[v];
-            const int64_t *of_x = l->output, *of_y = l->output + 3 + l->neurons;
-            int64_t sum_x[CHUNK], sum_y[CHUNK];
-            int32_t net[CHUNK];
-            for (int k = 0; k < count; k++) {
-                sum_x[k] = of_x[0] + of_x[1] * x[k] + of_x[2] * y;
-                sum_y[k] = of_y[0] + of_y[1] * x[k] + of_y[2] * y;
-            }
-            for (int n = 0; n < l->neurons; n++) {
-                const int64_t *w = l->hidden + 3 * n;
-                for (int k = 0; k < count; k++)
-                    net[k] = requantised(w[0] * x[k] + w[1] * y + w[2], l->net_shift, l->net_low,
-                                         l->net_high);
-                tansig(t, net, count);
-                for (int k = 0; k < count; k++) {
-                    sum_x[k] += of_x[3 + n] * net[k];
-                    sum_y[k] += of_y[3 + n] * net[k];
-                }
-            }
-            const long first = (long)v * columns + left;
-            for (int k = 0; k < count; k++) {
-                out_x[first + k] = requantised(sum_x[k], l->shift, l->low, l->high);
-                out_y[first + k] = requantised(sum_y[k], l->shift, l->low, l->high);
-            }
+    const int64_t *of_x = l->output, *of_y = l->output + 3 + l->neurons;
+    int64_t sum_x[CHUNK], sum_y[CHUNK];
+    int32_t net[CHUNK];
+    for (int k = 0; k < count; k++) {
+        sum_x[k] = of_x[0] + of_x[1] * x[k] + of_x[2] * y[k];
+        sum_y[k] = of_y[0] + of_y[1] * x[k] + of_y[2] * y[k];
+    }
+    for (int n = 0; n < l->neurons; n++) {
+        const int64_t *w = l->hidden + 3 * n;
+        for (int k = 0; k < count; k++)
+            net[k] = requantised(w[0] * x[k] + w[1] * y[k] + w[2], l->net_shift, l->net_low,
+                                 l->net_high);
+        tansig(t, net, count);
+        for (int k = 0; k < count; k++) {
+            sum_x[k] += of_x[3 + n] * net[k];
+            sum_y[k] += of_y[3 + n] * net[k];
         }
+    }
+    for (int k = 0; k < count; k++) {
+        out_x[k] = requantised(sum_x[k], l->shift, l->low, l->high);
+        out_y[k] = requantised(sum_y[k], l->shift, l->low, l->high);
+    }
+}
+
+/* The network at any points. */
+void network(const struct layers *l, const struct tansig *t, const int64_t *x, const int64_t *y,
+             long points, int32_t *restrict out_x, int32_t *restrict out_y)
+{
+    for (long k = 0; k < points; k += CHUNK)
+        network_chunk(l, t, x + k, y + k, points - k < CHUNK ? points - k : CHUNK, out_x + k,
+                      out_y + k);
 }
 
 /* Coordinates between the nodes of each row, `step` pixels apart; the first is at -step. */

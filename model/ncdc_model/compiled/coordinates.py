@@ -8,8 +8,9 @@ from ncdc_model.compiled.library import library, pointer, structure
 from ncdc_model.golden.network import normalised_scan
 from ncdc_spec.nodes import AFTER, BEFORE
 
-__all__ = ["frame_coordinates"]
+__all__ = ["between_nodes", "frame_coordinates", "node_columns", "tables_at"]
 
+_ROWS = 64              # at a time: bounds the memory
 _VARIANTS = ("mmhbc", "classic", "table")       # as numbered in coordinates.c
 
 
@@ -43,23 +44,51 @@ def frame_coordinates(descriptor):
     """
     d, formats = descriptor, descriptor.network_formats
     width, height = d.geometry.corrected
-    columns = (np.arange(width) if d.nodes == 1 else
-               np.arange(-BEFORE, (width - 1) // d.nodes + AFTER + 1) * d.nodes)
-    x, _ = normalised_scan(columns, 0, d.geometry, formats)
-    _, y = normalised_scan(0, np.arange(height), d.geometry, formats)
-    layers, tansig = _layers(descriptor), _tansig(descriptor.tansig)
-    tables = np.empty((2, len(y), len(x)), np.int32)
-    library().network(layers, tansig, pointer(x), len(x), pointer(y), len(y), pointer(tables[0]),
-                      pointer(tables[1]))
+    columns, layers, tansig = node_columns(width, d.nodes), _layers(d), _tansig(d.tansig)
+    tables = np.empty((2, height, len(columns)), np.int32)
+    for top in range(0, height, _ROWS):
+        u, v = np.meshgrid(columns, np.arange(top, min(top + _ROWS, height)))
+        x, y = normalised_scan(u, v, d.geometry, formats)
+        tables[:, top:top + _ROWS] = _tables(layers, tansig, x, y)
     if d.nodes == 1:
         return tables
-    coarse = d.formats.coordinate
-    shift = 2 + 2 * (d.nodes.bit_length() - 1) + formats.coordinate.f_bits - coarse.f_bits
-    result = np.empty((2, height, width), np.int32)
-    for table, out in zip(tables, result):
-        library().between_nodes(pointer(table), len(x), d.nodes, height, width, shift,
-                                coarse.lo, coarse.hi, pointer(out))
-    return result
+    return np.stack([between_nodes(table, d.nodes, width, formats.coordinate, d.formats.coordinate)
+                     for table in tables])
+
+
+def node_columns(width, nodes):
+    """Columns of the nodes of a row of ``width`` pixels."""
+    if nodes == 1:
+        return np.arange(width)
+    return np.arange(-BEFORE, (width - 1) // nodes + AFTER + 1) * nodes
+
+
+def tables_at(descriptor, x, y):
+    """Raw coordinates (x', y'), int32 of shape (2, ...), of raw normalised ``x`` and ``y``.
+
+    The same integers as of :func:`ncdc_model.golden.network.network`.
+    """
+    return _tables(_layers(descriptor), _tansig(descriptor.tansig), x, y)
+
+
+def _tables(layers, tansig, x, y):
+    x, y = (np.ascontiguousarray(part, np.int64) for part in (x, y))
+    tables = np.empty((2, *x.shape), np.int32)
+    library().network(layers, tansig, pointer(x), pointer(y), ctypes.c_long(x.size),
+                      pointer(tables[0]), pointer(tables[1]))
+    return tables
+
+
+def between_nodes(table, nodes, width, fine, coarse):
+    """Values in ``coarse``, int32 (rows, ``width``), between those of each row's ``nodes``.
+
+    ``table``: int32 in ``fine``, at :func:`node_columns`.
+    """
+    shift = 2 + 2 * (nodes.bit_length() - 1) + fine.f_bits - coarse.f_bits
+    out = np.empty((len(table), width), np.int32)
+    library().between_nodes(pointer(np.ascontiguousarray(table)), table.shape[1], nodes,
+                            len(table), width, shift, coarse.lo, coarse.hi, pointer(out))
+    return out
 
 
 def _layers(descriptor):

@@ -27,7 +27,7 @@ from ncdc_spec.view import (
     check_view_nodes,
 )
 
-__all__ = ["divided", "homogeneous", "node_positions", "normalised", "reciprocal",
+__all__ = ["divided", "homogeneous", "in_spans", "node_positions", "normalised", "reciprocal",
            "view_coordinates"]
 
 
@@ -139,10 +139,10 @@ def view_coordinates(descriptor, view, u, v):
     column, row = (round_sums(between(nodes_of(p >> PLANE.f_bits - NODE.f_bits), u, nodes), nodes,
                               NODE, COLUMN) for p in positions)
     around = [nodes_of(fits)(u // nodes + step) for step in (-1, 0, 1, 2)]
-    return x, y, np.logical_and.reduce(around) & _in_spans(d.valid, column, row)
+    return x, y, np.logical_and.reduce(around) & in_spans(d.valid, column, row)
 
 
-def _in_spans(valid, column, row):
+def in_spans(valid, column, row):
     """Whether the pixels of the trained picture at (column, row) lie in a valid span."""
     spans = valid.spans
     start0, stop0, start1, stop1 = spans[np.clip(row, 0, len(spans) - 1)].transpose(
