@@ -35,8 +35,11 @@ def random_view(rng, geometry, focal, size=None, **limits):
 
 
 def nonsense_view(rng, size):
-    """Any bits in the registers of a view, some of them zero or at a limit."""
-    kinds = rng.integers(0, 4, 9)
-    raw = [(0, q.lo, q.hi, int(rng.integers(q.lo, q.hi)) >> int(rng.integers(0, 32)))[kind]
-           for kind, q in zip(kinds, [q for row in FORMATS for q in row])]
+    """The trained picture with up to nine registers of any bits, some of them zero or at a limit.
+    """
+    raw = list(View.identity(size).matrix)
+    for k in rng.choice(9, rng.integers(1, 10), replace=False).tolist():
+        q = FORMATS[k // 3][k % 3]
+        bits = int(rng.integers(q.lo, q.hi)) >> int(rng.integers(0, 32))
+        raw[k] = (0, q.lo, q.hi, bits)[rng.integers(0, 4)]
     return View(tuple(raw), size)
