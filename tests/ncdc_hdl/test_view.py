@@ -11,7 +11,7 @@ from cameras import barrel_descriptor
 from front_end import FrontEnd, expected, extreme, fields, frames, load, prepare, words_of
 from ncdc_hdl.frontend.node_scan import NodeScan
 from ncdc_hdl.frontend.view_transform import ViewTransform
-from ncdc_model.golden.view import node_positions
+from ncdc_model.golden.view import homogeneous, node_positions
 from ncdc_spec.nodes import row_nodes
 from ncdc_spec.view import NODE, PLANE, View
 from pipelines import run_bench
@@ -29,6 +29,16 @@ def views(d, rng, sizes):
     return [nonsense_view(rng, size) if k % 3 == 2 else
             random_view(rng, d.geometry, 45, size, pan=50, roll=180, zoom=(.5, 4))
             for k, size in enumerate(sizes)]
+
+
+def overflowing(size):
+    """Views whose numerators, positions and normalised coordinates overflow, into the picture if
+    that were not noticed."""
+    deep, flat = 1 << 23, 1 << 30           # depths 2**-7 and 1
+    small, one = 1 << 20, 1 << 27           # steps that are a pixel at these depths
+    return [View((small, 0, 256 << 17, 0, small, 0, 0, 0, deep), size),
+            View((one, 0, 16380 << 17, 0, one, 0, 0, 0, flat), size),
+            View((one, 0, 144 << 17, 0, one, 0, 0, 0, flat), size)]
 
 
 class Nodes(Elaboratable):
@@ -64,7 +74,7 @@ def nodes_of(d, size, strip):
     *(pytest.param(*case, marks=pytest.mark.longer) for case in ((4, 0, 18), (7, 32, 27)))])
 def test_nodes_equal_the_golden_model(interval, strip, multiplier_bits):
     d, rng, results = at_nodes(), np.random.default_rng(interval), []
-    cases = views(d, rng, SIZES)
+    cases = [*views(d, rng, SIZES), *overflowing((72, 8))]
     dut = Nodes(d, interval, multiplier_bits)
     scan, transform = dut.scan, dut.transform
     origin_x, step_x, origin_y, step_y = d.geometry.scan()
@@ -80,26 +90,33 @@ def test_nodes_equal_the_golden_model(interval, strip, multiplier_bits):
             await ctx.tick()
             ctx.set(scan.start, 0)
             count, found, places = len(nodes_of(d, view.size, strip)[0]), [], []
+            scanned, issued = [], []
             while len(found) < count:
                 ctx.set(scan.space, rng.random() < .8)
-                *_, issue, x, y, fits, column, row = await ctx.tick().sample(
-                    transform.issue, transform.x, transform.y, transform.fits, transform.column,
-                    transform.row)
+                *_, issues, total, issue, x, y, fits, column, row = await ctx.tick().sample(
+                    scan.issue, transform.scan.o, transform.issue, transform.x, transform.y,
+                    transform.fits, transform.column, transform.row)
+                scanned.append(total)
+                issued.append(issues)
                 places.append((column, row))
                 if issue:
                     found.append((x, y, fits, *places[-1 - transform.early]))
             await ctx.tick().repeat(interval)
-            results.append(np.array(found))
+            sums = np.array([scanned[k:k + 3] for k in np.flatnonzero(issued)])
+            results.append((sums, np.array(found)))
 
     run_bench(dut, bench)
     fitting = 0
-    for view, result in zip(cases, results):
+    for view, (sums, result) in zip(cases, results):
+        x, y, depth = homogeneous(view, *nodes_of(d, view.size, strip))
+        np.testing.assert_array_equal(sums, np.stack([depth, x, y], axis=1))
         positions, inputs, fits = node_positions(d, view, *nodes_of(d, view.size, strip))
         np.testing.assert_array_equal(result[:, 2], fits)
         wanted = np.stack([*inputs, *(p >> PLANE.f_bits - NODE.f_bits for p in positions)], axis=1)
         np.testing.assert_array_equal(result[fits][:, [0, 1, 3, 4]], wanted[fits])
         fitting += fits.sum()
     assert fitting > 100
+    assert not any(result[:, 2].any() for _, result in results[-3:-1])
 
 
 def assert_equal(frame, golden):
