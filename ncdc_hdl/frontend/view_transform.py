@@ -18,9 +18,9 @@ __all__ = ["ViewTransform"]
 
 def _cut(value, drop, width):
     """``value`` without its lowest ``drop`` bits, in ``width`` bits, and whether it fits."""
-    kept = value[drop:]
-    above = kept[width - 1:]
-    return kept[:width].as_signed(), above.all() | ~above.any()
+    rest = value[drop:]
+    above = rest[width - 1:]
+    return rest[:width].as_signed(), above.all() | ~above.any()
 
 
 class ViewTransform(wiring.Component):
@@ -81,7 +81,7 @@ class ViewTransform(wiring.Component):
 
     @property
     def early(self):
-        """Clocks from the positions, that of x kept for a clock, to ``issue``."""
+        """Clocks from the positions, that of x delayed by a clock, to ``issue``."""
         return self.latency - self._divided - 1
 
     def elaborate(self, platform):

@@ -165,7 +165,7 @@ def test_random_views_equal_the_float_map_and_blank_what_has_no_source():
 @pytest.mark.parametrize("name", ["PC105", "105br", "120kb", "120dbr"])
 def test_200_views_of_reference_lenses(name):
     d = replace(descriptor_of(name, 12), nodes=16)
-    focal = ReferenceLens(name).camera.f_corrected
+    focal = ReferenceLens(name).camera.frame.focal
     worst, filled, blank, valid = compare(d, focal, 200, np.random.default_rng(5), every=7)
     assert valid > 200 * 10000
     assert worst <= own_error(d) + .01

@@ -2,6 +2,7 @@
 
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -253,3 +254,38 @@ int main(void)
     top = compiler.elaborate().top
     names = {node.inst_name for node in top.descendants() if isinstance(node, RegNode)}
     assert {"GAIN_RED", "RAW_GAIN_RED", "TONE16", "VALID_PIXELS"} <= names
+
+
+VIEW = """
+import ncdc_registers as r
+from ncdc_driver import Corrector, CorrectorError
+words = {r.OFFSET["ID"]: r.ID_VALUE, r.OFFSET["CAPABILITIES"]: r.VERSION | r.CAPABILITIES_VIEW}
+corrector = Corrector(lambda offset: words.get(offset, 0), words.__setitem__)
+corrector.view([-1, 2, 3, 4, 5, 6, 7, 8, 9])
+print([words[r.OFFSET["VIEW_X_U"] + 4 * k] for k in range(9)])
+for values in ((1 << 31,) * 9, (0,) * 8):
+    try:
+        corrector.view(values)
+    except CorrectorError as error:
+        print(error)
+words[r.OFFSET["CAPABILITIES"]] = r.VERSION
+try:
+    Corrector(lambda offset: words.get(offset, 0), None).view((0,) * 9)
+except CorrectorError as error:
+    print(error)
+"""
+
+
+def test_the_python_driver_writes_a_view(tmp_path):
+    made = Corrector(replace(WIDE, nodes=8), Hardware(view=True))
+    for name, text in driver_files(made, [("wide.toml", replace(WIDE, nodes=8))]).items():
+        (tmp_path / name).write_text(text)
+    done = subprocess.run([sys.executable, "-c", VIEW], cwd=tmp_path, text=True,
+                          capture_output=True)
+    assert done.stdout.splitlines() == [
+        "[4294967295, 2, 3, 4, 5, 6, 7, 8, 9]",
+        "a number of the view's matrix is 2147483648, an integer of -2147483648 to 2147483647 is "
+        "needed", "there are 8 values, 9 are needed, each a number of the view's matrix",
+        "the corrector has no view: it was generated without --view"], done.stderr
+    header = (tmp_path / "ncdc_registers.h").read_text()
+    assert "NCDC_VIEW_Z_0" in header and "NCDC_PLANE_HEIGHT" in header

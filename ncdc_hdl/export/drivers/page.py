@@ -21,7 +21,7 @@ def register_doc(hidden_neurons, formats):
     ValueError
         If the registers of one kind are not at equal distances.
     """
-    lines = _rows(registers(hidden_neurons, formats, colour=True, raw_balance=True))
+    lines = _rows(registers(hidden_neurons, formats, colour=True, raw_balance=True, view=True))
     lines.append(f"| 0x{4 * TABLE:04X} + 8 r | `VALID_ROWS` | rw | 2 x 32 | "
                  "Spans of pixels with a source in row r, see below. |\n")
     bits = MAX_SIZE.bit_length() - 1

@@ -43,6 +43,8 @@ class Corrector:
         It has gains after interpolation, a tone curve, and sums of the colours.
     raw_gains : bool
         It has gains before interpolation, of raw frames as they are read.
+    has_view : bool
+        It has registers for the matrix of a view.
     interpolations : tuple of str
         Names of the interpolations that it has, such as "fast".
     largest : (int, int)
@@ -62,6 +64,7 @@ class Corrector:
         self.stream = bool(word & registers.CAPABILITIES_STREAM)
         self.colour = bool(word & registers.CAPABILITIES_COLOUR)
         self.raw_gains = bool(word & registers.CAPABILITIES_RAW_GAINS)
+        self.has_view = bool(word & registers.CAPABILITIES_VIEW)
         self.interpolations = tuple(name for name, mask in registers.INTERPOLATIONS.items()
                                     if word & mask)
         word = self.get("LARGEST")
@@ -233,6 +236,20 @@ class Corrector:
                                  "generated without --raw-gains")
         self._put_set([f"RAW_GAIN_{name}" for name in _COLOURS], gains, "gain", LARGEST_GAIN)
 
+    def view(self, words):
+        """The matrix of a view, nine register values row by row, for the next commit.
+
+        Raises
+        ------
+        CorrectorError
+            If there are not nine, one does not fit 32 bits, a commit still waits, or the corrector
+            has no view.
+        """
+        names = [name for name in registers.OFFSET if name.startswith("VIEW_")]
+        if not self.has_view or not names:
+            raise CorrectorError("the corrector has no view: it was generated without --view")
+        self._put_set(names, words, "number of the view's matrix", (1 << 31) - 1, -1 << 31)
+
     def tone(self, nodes):
         """Nodes of the tone curve, as in TONES of ncdc_registers.py, for the next commit.
 
@@ -246,13 +263,14 @@ class Corrector:
         names = [name for name in registers.OFFSET if name.startswith("TONE")]
         self._put_set(names, nodes, "node of the tone curve", _LARGEST_NODE)
 
-    def _put_set(self, names, values, what, largest):
+    def _put_set(self, names, values, what, largest, smallest=0):
         if len(values) != len(names):
             raise CorrectorError(f"there are {len(values)} values, {len(names)} are needed, each a "
                                  f"{what}")
         for value in values:
-            if value not in range(largest + 1):
-                raise CorrectorError(f"a {what} is {value}, an integer of 0 to {largest} is needed")
+            if value not in range(smallest, largest + 1):
+                raise CorrectorError(f"a {what} is {value}, an integer of {smallest} to {largest} "
+                                     f"is needed")
         self._free(self.get("STATUS"))
         for name, value in zip(names, values):
             self.put(name, int(value))
