@@ -163,7 +163,8 @@ def test_corners_are_those_of_both_models():
 
 def test_the_map_of_a_lens_is_computed_once(monkeypatch):
     made = []
-    monkeypatch.setattr(correction, "CompiledCorrector", lambda descriptor: made.append(descriptor))
+    monkeypatch.setattr(correction, "CompiledCorrector",
+                        lambda descriptor, *sources: made.append(descriptor))
     correction._cached.cache_clear()
     lens, same, other = (barrel_descriptor(seed=seed) for seed in (41, 41, 42))
     assert correction_of(lens, COMPILED) is correction_of(same, COMPILED)
