@@ -38,6 +38,9 @@ def add_arguments(parser) -> None:
                        help="of this machine; further devices take the following ones "
                        "(default: 127.0.0.2)")
     serve.add_argument("--count", type=int, default=1, metavar="N", help="devices (default: 1)")
+    serve.add_argument("--sensor", default="mt9p031", metavar="NAME",
+                       help="of the device: mt9p031 (default), imx219, ov5647; its registers, "
+                       "limits and test patterns are those of a device with that sensor")
     add_field(serve)
     serve.add_argument("--fps", type=float, default=30.0, metavar="F",
                        help="frames per second after reset (default: 30)")
@@ -83,7 +86,7 @@ def run(args) -> None:
         for address in addresses:
             options = DeviceOptions(address, fps=args.fps, loss=args.packet_loss, noise=args.noise,
                                     loss_again=args.resend_loss, tcp_port=args.tcp_port,
-                                    field=field_of(args))
+                                    field=field_of(args), sensor=args.sensor)
             devices.append(EmulatedDevice(corrections, options, image))
             print(f"{options.serial} at {address}: Table I on TCP port {devices[-1].table.port}, "
                   f"GVCP on UDP port {PORT}", flush=True)

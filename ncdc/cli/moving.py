@@ -1,11 +1,10 @@
-"""``ncdc simulate --sensor``: frames of a running camera, from a sensor's pins to pictures."""
+"""``ncdc simulate --camera``: frames of a running camera, from a sensor's pins to pictures."""
 
 import sys
 
 from ncdc.cli.common import raw_frame, read_photo, write_report
 from ncdc.cli.field import add_field, field_of, field_report
 from ncdc.cli.hardware import fixed_of, hardware_of, planned
-from ncdc.cli.renamed import add_renamed
 from ncdc.cli.view_angles import view_options
 from ncdc.cli.waves import waves_of
 from ncdc.terminal import Progress
@@ -13,10 +12,9 @@ from ncdc_hdl.system import System
 from ncdc_model.images import check_animation, is_raw, write_animation
 from ncdc_sim.sensor.photo import moving_photo, still_raw
 from ncdc_sim.system.camera import simulate_camera
-from ncdc_spec.camera_port import CSI2, CameraPort
 from ncdc_spec.errors import InputError
 from ncdc_spec.sensors.catalogue import SENSORS
-from ncdc_spec.sensors.framing import grid_row, setup_around
+from ncdc_spec.sensors.framing import camera_of, grid_row, setup_around
 
 __all__ = ["add_moving", "run_moving"]
 
@@ -29,9 +27,9 @@ def add_moving(parser):
     group = parser.add_argument_group(
         "a running camera", "frames go through the pins of a sensor and through memory, and are "
         "corrected as they come; OUT is an animation of the corrected pictures")
-    group.add_argument("--sensor", metavar="NAME",
+    # With two spellings: elsewhere too, a sensor is named by --sensor.
+    group.add_argument("--camera", "--sensor", dest="sensor", metavar="NAME",
                        help=", ".join(sensor.name for sensor in SENSORS))
-    add_renamed(parser, "--camera", "--sensor")
     add_field(group)
     group.add_argument("--frames", type=int, default=5, metavar="N", help="default: 5")
     group.add_argument("--velocity", default="12,0", metavar="X,Y",
@@ -53,7 +51,7 @@ def run_moving(args, descriptor):
                           ("--raw-balance", args.raw_balance), ("--matrix", args.matrix),
                           *view_options(args)):
         if given is not None:
-            raise InputError(f"{option} is given with --sensor {args.sensor}, which does not take "
+            raise InputError(f"{option} is given with --camera {args.sensor}, which does not take "
                              f"it")
     hardware, _ = planned(hardware_of(args), fixed_of(args, 0 if args.follow else None), descriptor)
     plan, crop = setup_around(args.sensor, descriptor.geometry, field=field_of(args),
@@ -64,7 +62,7 @@ def run_moving(args, descriptor):
     light = (still_raw(plan, crop, raw) if is_raw(photo)
              else moving_photo(descriptor, plan, crop, photo, args.frames, velocity))
     result = simulate_camera(
-        System(descriptor, hardware, grid=grid_row(plan, crop), camera=_port_of(plan, crop)),
+        System(descriptor, hardware, grid=grid_row(plan, crop), camera=camera_of(plan, crop)),
         plan, light, corner=crop, count=args.frames, follow=args.follow, memory=args.memory,
         simulator=args.simulator, seed=args.seed, waves=waves_of(args),
         progress=Progress("simulating"))
@@ -87,11 +85,6 @@ def run_moving(args, descriptor):
               file=sys.stderr)
         return 1
     return 0
-
-
-def _port_of(plan, crop):
-    """The :class:`CameraPort` for a sensor's configuration and what capture makes of its frames."""
-    return CameraPort(CSI2, plan.link.lanes, serial=crop.grid) if plan.link else CameraPort()
 
 
 def _velocity(text):

@@ -35,6 +35,8 @@ def add_arguments(parser) -> None:
         action.add_argument("--exposure-us", type=float, default=1000.0, metavar="X",
                             help="of the sensor at first, in microseconds; then the light is as in "
                                  "the photo (default: 1000)")
+        action.add_argument("--sensor", default="mt9p031", metavar="NAME",
+                            help="of the system: mt9p031 (default), imx219, ov5647")
         add_field(action)
         action.add_argument("--colour", action="store_true",
                             help="gains of the colours and automatic white balance")
@@ -70,7 +72,8 @@ def run(args) -> int | None:
 def _model(args, descriptor, raw):
     from ncdc_sim.system.soc import HARDWARE, SocModel  # LiteX is of the extra [soc]
     hardware = replace(HARDWARE, colour=args.colour)
-    return SocModel(descriptor, raw, args.exposure_us, hardware, field=field_of(args))
+    return SocModel(descriptor, raw, args.exposure_us, hardware, field=field_of(args),
+                    sensor=args.sensor)
 
 
 def _build(args, descriptor):

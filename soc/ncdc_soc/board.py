@@ -18,11 +18,10 @@ from ncdc_soc.mdio import Mdio
 from ncdc_soc.phy import RgmiiPhy
 from ncdc_soc.processor import Processor, described
 from ncdc_soc.verilog import litex_verilog
-from ncdc_spec.errors import InputError
+from ncdc_spec.sensors.catalogue import controlled_sensor
 
 __all__ = ["ROM_BYTES", "ProcessorFiles", "board_processor", "processor_files"]
 
-_SENSOR = "mt9p031"
 ROM_BYTES = 0x12000
 _RESET_MS = 10              # of the chip's pin, at least: Marvell, 88E1111; Broadcom, B50612D
 _DEVICES = {"quartus": (AlteraPlatform, "quartus", False),
@@ -107,17 +106,15 @@ def processor_files(design, sensor, identity=Identity()):
     ----------
     design : ncdc_boards.camera_board.core.Design
     sensor : (Setup, Crop)
-        As of :func:`~ncdc_boards.camera_board.design.sensor_for`; an MT9P031.
+        As of :func:`~ncdc_boards.camera_board.design.sensor_for`.
     identity : Identity
 
     Raises
     ------
     InputError
-        If the sensor is another one, or the firmware cannot be compiled.
+        If the firmware does not know the sensor, or cannot be compiled.
     """
-    if sensor[0].sensor.name != _SENSOR:
-        raise InputError(f"the sensor is {sensor[0].sensor.name}, the processor's firmware knows "
-                         f"the {_SENSOR}")
+    controlled_sensor(sensor[0].sensor.name)
     processor = board_processor(design.board, design.core_hz)
     text = config(design.system, CAPACITY, processor, *sensor, identity, sets_up=False,
                   first_reader=READER_OF_HOST + 1)

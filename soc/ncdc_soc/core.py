@@ -10,12 +10,12 @@ from ncdc_hdl.avalon.native import NativePort, NativeReader, NativeWriter
 from ncdc_hdl.lib.ports import ports_as
 from ncdc_hdl.link.processor import READERS, ProcessorLink, ProcessorPort
 from ncdc_hdl.system import System
+from ncdc_spec.camera_port import CameraPort
 from ncdc_spec.registers.system_map import SYSTEM_WORDS_BITS
 
 __all__ = ["SocCore", "core_verilog", "memory_reader", "memory_writer"]
 
-_PINS = ("sensor_clock", "sensor_frame_valid", "sensor_line_valid", "sensor_data", "scl", "sda",
-         "scl_low", "sda_low")
+_BUS_PINS = "scl", "sda", "scl_low", "sda_low"
 
 
 class SocCore(wiring.Component):
@@ -33,6 +33,13 @@ class SocCore(wiring.Component):
         Bytes of a packet's payload, at most: as of :class:`Packetiser`.
     grid : int, optional
         As of :class:`System`.
+    camera : CameraPort
+        Likewise.
+
+    Attributes
+    ----------
+    pins : dict
+        Members that are the sensor's, by name.
 
     Raises
     ------
@@ -49,17 +56,19 @@ class SocCore(wiring.Component):
         As of :class:`System`.
     """
 
-    def __init__(self, descriptor, hardware, readers=READERS, capacity=3840, grid=None):
+    def __init__(self, descriptor, hardware, readers=READERS, capacity=3840, grid=None,
+                 camera=CameraPort()):
         self.link = ProcessorLink(hardware.data_width, capacity)
-        self.system = System(descriptor, hardware, readers, grid=grid)
+        self.system = System(descriptor, hardware, readers, grid=grid, camera=camera)
         self.reads = [name.partition("_")[0] for name in self.system.signature.members
                       if name.startswith("read") and name.endswith("_readdata")]
         self.ports = 3 + len(self.reads)
-        members = self.system.signature.members
+        self.pins = {name: member for name, member in self.system.signature.members.items()
+                     if name.startswith("sensor_") or name in _BUS_PINS}
         super().__init__({
             "processor": In(ProcessorPort()),
             **{f"port{k}": Out(NativePort(hardware.data_width)) for k in range(self.ports)},
-            **{name: members[name] for name in _PINS}})
+            **self.pins})
 
     @property
     def packetiser(self):
@@ -70,10 +79,9 @@ class SocCore(wiring.Component):
         m = Module()
         m.submodules.system = system = self.system
         m.submodules.link = link = self.link
-        for name in _PINS:
+        for name, member in self.pins.items():
             ours, inner = getattr(self, name), getattr(system, name)
-            flow = system.signature.members[name].flow
-            m.d.comb += ours.eq(inner) if flow is Out else inner.eq(ours)
+            m.d.comb += ours.eq(inner) if member.flow is Out else inner.eq(ours)
         # The reset is LiteDRAM's and the bridges' too: they drop the commands they have accepted.
         m.d.comb += [system.memory_rst.eq(ResetSignal()), link.irq.eq(system.irq)]
         connect(m, flipped(self.processor), link.processor)

@@ -20,12 +20,12 @@ from ncdc_spec.frames import output_format
 from ncdc_spec.needs import check_programs
 from ncdc_spec.pixel_formats import raw_format
 from ncdc_spec.protocols import auto_control, gvcp, gvcp_tables, gvsp
-from ncdc_spec.protocols.features import FEATURES, feature
+from ncdc_spec.protocols.features import feature, features_of
 from ncdc_spec.protocols.genicam import genicam_xml
 from ncdc_spec.protocols.table_one import IDLE_SECONDS, SYSTEM_WORDS, TCP_PORT
 from ncdc_spec.registers.link_map import LINK, TEMPLATES
 from ncdc_spec.registers.register_map import registers
-from ncdc_spec.sensors import mt9p031
+from ncdc_spec.sensors.catalogue import controlled_sensor
 from ncdc_spec.sensors.framing import Crop, field_values
 from ncdc_spec.sensors.waking import wake_times
 from ncdc_spec.white_balance import GAIN_BITS, LARGEST_GAIN, UNITY
@@ -37,7 +37,6 @@ _SPECS = "picolibc.specs"       # of the C library
 _COMPILER = "riscv64-unknown-elf-gcc"
 _I2C_QUARTER_MIN = 8      # clocks
 _USERS = 8                  # of Table I at a time
-_SENSOR_LAST = 0xFF         # address of the sensor's last register
 SOURCES = ("start.S", "main.c", "net.c", "table.c", "gvcp.c", "gvcp_control.c", "gvcp_read.c",
            "gvcp_write.c", "auto.c", "stream.c", "frames.c", "mraw.c", "words.c", "sensor.c",
            "interrupt.c", "phy.c", "mdio.c", "ip.c", "eth.c", "uart.c", "memory.c")
@@ -103,18 +102,25 @@ def config(system, capacity, soc, setup, corner, identity=Identity(), *, sets_up
         simulations.
     first_reader : int
         Number of the firmware's first reader among the readers of frames.
+
+    Raises
+    ------
+    InputError
+        If the firmware does not know the sensor.
     """
+    features = _features(setup)
     lines = ["/* Made by ncdc_soc.firmware. */", "#ifndef CONFIG_H", "#define CONFIG_H"]
     lines += [f"#define {name} {value}" for name, value in {
         **_hardware(capacity, soc), **_registers(system), **_pictures(system, setup),
         **_field(setup, Crop(*corner), system.descriptor.geometry),
         **_sensor(setup, soc.clock_hz, max(1, sets_up)),
-        **_protocols(identity, soc.clock_hz, system.hardware.colour),
+        **_protocols(identity, soc.clock_hz, genicam_xml(system.hardware.colour, features)),
         **_automatic(system, setup),
         "SETS_UP": int(sets_up > 0), "FIRST_READER": f"{first_reader}u"}.items()]
-    lines.append("enum feature_id {" + ", ".join(f"FEATURE_{one.name}" for one in _features())
-                 + "};")
-    lines += [f"#define CONFIG_CHOICES {_choices()}", f"#define CONFIG_FEATURES {_table()}",
+    own = _own(features)
+    lines.append("enum feature_id {" + ", ".join(f"FEATURE_{one.name}" for one in own) + "};")
+    lines += [f"#define CONFIG_CHOICES {_choices(own)}", f"#define CONFIG_PARTS {_parts(own)}",
+              f"#define CONFIG_FEATURES {_table(own)}",
               f"#define SYSTEM_SETTINGS {_settings(system, setup, corner, _quarter(soc, sets_up))}"]
     return "\n".join([*lines, "#endif"]) + "\n"
 
@@ -206,9 +212,10 @@ def _sensor(setup, clock_hz, time_scale):
         "SENSOR_USER": _braced(
             _braced([_hex(one.address), _hex(one.mask), _hex(low), _hex(high)])
             for one in sensor.user_registers for low, high in one.ranges),
-        "SENSOR_LAST": _hex(_SENSOR_LAST), "SENSOR_SHUTTER_UPPER": _hex(mt9p031.SHUTTER_UPPER),
-        "SENSOR_SHUTTER_LOWER": _hex(mt9p031.SHUTTER_LOWER),
-        "SENSOR_GAIN": _hex(mt9p031.GLOBAL_GAIN), "SENSOR_PATTERN": _hex(mt9p031.TEST_PATTERN)}
+        "SENSOR_LAST": _hex(sensor.last_register),
+        "SENSOR_CACHED": _braced(map(_hex, sensor.controls.addresses)),
+        **{f"SENSOR_GAIN_{name.upper()}": getattr(sensor.controls.gain, name)
+           for name in ("m0", "c0", "m1", "c1")}}
 
 
 def _automatic(system, setup):
@@ -220,17 +227,23 @@ def _automatic(system, setup):
     return {
         "AUTO_TARGET": f"{auto_control.TARGET}u", "AUTO_BAND": f"{auto_control.BAND}u",
         "AUTO_STEP_FACTOR": f"{auto_control.STEP_FACTOR}u",
-        "AUTO_GAIN_MIN": f"{auto_control.GAIN_MIN}u", "AUTO_GAIN_MAX": f"{auto_control.GAIN_MAX}u",
+        "AUTO_GAIN_MIN": f"{auto_control.GAIN_MIN}u",
+        "AUTO_GAIN_MAX": f"{setup.sensor.controls.gain.high}u",
         "AUTO_SAMPLES": f"{auto_control.SAMPLES}u", "AUTO_LEVEL_SHIFT": auto_control.LEVEL_SHIFT,
         "AUTO_BALANCE_BAND": f"{auto_control.BALANCE_BAND}u",
         "AUTO_BALANCE_DARK": f"{auto_control.BALANCE_DARK}u",
-        # An exposure as long as the frame makes the frame longer.
-        "AUTO_LINES_MAX": f"{max(1, setup.timing.frame_lines - 1)}u",
+        "AUTO_LINES_MIN": f"{setup.sensor.limits.lines[0]}u",
+        "AUTO_LINES_MAX": f"{_frame_exposure(setup)}u",
         "AUTO_COLOUR": int(colour), "AUTO_RATIO_UNITY": f"{UNITY}u",
         "AUTO_RATIO_MAX": f"{LARGEST_GAIN}u", "AUTO_RATIO_BITS": GAIN_BITS,
         "CORRECTOR_FRAMES": _hex(at["FRAMES"]), "CORRECTOR_SUMS": _hex(at["RED_SUM"]),
-        "CORRECTOR_PIXELS": _hex(at["VALID_PIXELS"]),
-        "SENSOR_GAIN_MASK": _hex((1 << mt9p031.ANALOG_GAIN[1]) - 1 << mt9p031.ANALOG_GAIN[0])}
+        "CORRECTOR_PIXELS": _hex(at["VALID_PIXELS"])}
+
+
+def _frame_exposure(setup):
+    """Lines of the longest exposure that leaves a frame as long as it is."""
+    sensor = setup.sensor
+    return max(sensor.limits.lines[0], setup.timing.frame_lines - sensor.controls.margin)
 
 
 def _enumerated(table):
@@ -238,9 +251,9 @@ def _enumerated(table):
     return ", ".join(f"{one.name} = 0x{one.code:x}" for one in table)
 
 
-def _protocols(identity, clock_hz, colour):
+def _protocols(identity, clock_hz, xml):
     # Packed it takes an eighth of the ROM, and of the time that a client needs to read it.
-    xml = _zipped(gvcp.XML_NAME, genicam_xml(colour))
+    xml = _zipped(gvcp.XML_NAME, xml)
     url = f"Local:{Path(gvcp.XML_NAME).stem}.zip;{gvcp.XML_BASE:X};{len(xml):X}"
     texts = {"DeviceVendorName": "NCDC", "DeviceModelName": "NCDC camera",
              "DeviceVersion": version("ncdc"), "DeviceManufacturerInfo": "distortion correction",
@@ -298,32 +311,45 @@ def _address(text):
     return int.from_bytes(bytes(map(int, text.split("."))), "big")
 
 
-def _features():
-    """Features with a register of their own, in the order of their addresses, without a gap."""
-    found = [one for one in FEATURES if one.address >= gvcp.FEATURE_BASE]
+def _features(setup):
+    """The features of the sensor in this configuration: one whose frames do not become longer by
+    themselves has no longer exposures than they allow."""
+    sensor = controlled_sensor(setup.sensor.name)
+    return features_of(sensor,
+                       None if sensor.controls.stretches else _frame_exposure(setup))
+
+
+def _own(features):
+    """Those with a register of their own, in the order of their addresses, without a gap."""
+    found = [one for one in features if one.address >= gvcp.FEATURE_BASE]
     assert [one.address for one in found] == [gvcp.FEATURE_BASE + 4 * k for k in range(len(found))]
     return found
 
 
-def _choices():
+def _choices(features):
     return " ".join(
         f"static const struct choice CHOICES_{one.name}[] = "
         + _braced(f"{{{_hex(choice.value)}, {_hex(choice.word)}}}" for choice in one.choices) + ";"
-        for one in _features() if one.choices and one.table)
+        for one in features if one.choices and one.parts)
 
 
-def _table():
+def _parts(features):
+    """The parts of all features, one after the other."""
+    return _braced(_braced([_hex(part.address), *map(str, (part.shift, part.width, part.low))])
+                   for one in features for part in one.parts)
+
+
+def _table(features):
     access = {"ro": "'r'", "wo": "'w'", "rw": "'b'"}
-    rows = []
-    for one in _features():
-        upper, lower = (["NO_WORD", "NO_WORD"] + [_hex(word) for word in one.table])[-2:]
-        shift, width = one.field or (0, 0)
+    rows, first = [], 0
+    for one in features:
         choices, count = "0", "0"
-        if one.choices and one.table:
+        if one.choices and one.parts:
             choices, count = f"CHOICES_{one.name}", str(len(one.choices))
         rows.append(_braced([
-            f"FEATURE_{one.name}", access[one.access], upper, lower, str(shift),
-            str(width), _hex(one.low), count, _hex(one.high), choices]))
+            f"FEATURE_{one.name}", access[one.access], str(first), str(len(one.parts)),
+            _hex(one.low), count, _hex(one.high), choices]))
+        first += len(one.parts)
     return _braced(rows)
 
 
@@ -331,6 +357,7 @@ def _settings(system, setup, corner, quarter):
     """Registers of the camera, before the sensor is set up."""
     crop = Crop(*corner)
     values = {"GRID_WEIGHT": crop.weight, "GRID_BIN": crop.binning} if crop.grid else {}
+    values |= {"CSI_CHANNEL": 0, "CSI_TYPE": setup.link.data_type} if setup.link else {}
     values |= {
         "SENT_WIDTH": setup.timing.width, "SENT_HEIGHT": setup.timing.height,
         "WINDOW_LEFT": crop.left, "WINDOW_TOP": crop.top, "BLACK_LEVEL": setup.sensor.black,

@@ -1,5 +1,7 @@
 """The system on a chip in simulation: a :class:`Processor` and LiteDRAM around :class:`SocCore`."""
 
+from amaranth.hdl import Shape
+from amaranth.lib.wiring import Out
 from litedram import modules
 from litedram.core import LiteDRAMCore
 from litedram.phy.model import SDRAMPHYModel, get_sdram_phy_settings
@@ -26,10 +28,15 @@ _PINS = [
                     for side in ("source", "sink") for name in ("valid", "ready", "data"))),
     ("eth", 0, *(Subsignal(f"{side}_{name}", Pins(8 if name == "data" else 1))
                  for side in ("source", "sink") for name in ("valid", "ready", "data"))),
-    ("sensor", 0, *(Subsignal(name, Pins(12 if name == "data" else 1))
-                    for name in ("clock", "frame_valid", "line_valid", "data", "scl", "sda",
-                                 "scl_low", "sda_low", "reset_n"))),
 ]
+
+
+def _sensor_pins(core):
+    """The sensor's pins, at which the names of the core's begin with ``sensor_``."""
+    pins = {name.removeprefix("sensor_"): Shape.cast(member.shape).width
+            for name, member in core.pins.items()}
+    return "sensor", 0, *(Subsignal(name, Pins(width))
+                          for name, width in (pins | {"reset_n": 1}).items())
 
 
 class _Reset(LiteXModule):
@@ -62,22 +69,21 @@ class _Soc(Processor):
     def _core(self, platform, core):
         """``ncdc_core``: the processor's, and its hosts on the SDRAM."""
         pins = platform.request("sensor")
-        scl_low, sda_low = Signal(), Signal()
         ports = {f"{'i' if driven else 'o'}_{name}": signal
                  for name, (signal, driven) in self.port.items()}
         for k in range(core.ports):
             ports |= native_port(self, self.sdram.crossbar.get_port(), f"port{k}__")
-        self.specials += Instance(
-            "ncdc_core", **ports, i_clk=self.crg.cd_sys.clk, i_rst=self.crg.cd_sys.rst,
-            i_sensor_clock=pins.clock, i_sensor_frame_valid=pins.frame_valid,
-            i_sensor_line_valid=pins.line_valid, i_sensor_data=pins.data, i_scl=pins.scl,
-            i_sda=pins.sda, o_scl_low=scl_low, o_sda_low=sda_low)
-        self.comb += [pins.scl_low.eq(scl_low), pins.sda_low.eq(sda_low), pins.reset_n.eq(1)]
+        for name, member in core.pins.items():
+            direction = "o" if member.flow is Out else "i"
+            ports[f"{direction}_{name}"] = getattr(pins, name.removeprefix("sensor_"))
+        self.specials += Instance("ncdc_core", **ports, i_clk=self.crg.cd_sys.clk,
+                                  i_rst=self.crg.cd_sys.rst)
+        self.comb += pins.reset_n.eq(1)
 
 
 def soc_verilog(core):
     """:class:`~ncdc_soc.processor.ProcessorVerilog` of the module ``ncdc_soc``, the system around a
     :class:`SocCore`; it instantiates ``ncdc_core`` too."""
-    platform = SimPlatform("SIM", _PINS)
+    platform = SimPlatform("SIM", [*_PINS, _sensor_pins(core)])
     soc, text = litex_verilog(platform, lambda: _Soc(platform, core), "ncdc_soc")
     return described(soc, platform, text)

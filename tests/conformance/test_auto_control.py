@@ -1,20 +1,18 @@
 """Automatic exposure, gain and white balance: one rule, and devices that come to rest by it."""
 
 import random
-import struct
-from ipaddress import IPv4Address
 
 import numpy as np
 import pytest
 
 from devices import SIZE, device, small_lens
 from firmware_wire import TcpUser, Wire
+from gvcp_client import PEER, Client
 from ncdc_model.images import mosaic
 from ncdc_spec.protocols import gvcp
 from ncdc_spec.protocols.auto_control import (
     BAND,
     CONTINUOUS,
-    GAIN_MAX,
     GAIN_MIN,
     OFF,
     ONCE,
@@ -23,7 +21,7 @@ from ncdc_spec.protocols.auto_control import (
     balanced,
     exposed,
 )
-from ncdc_spec.protocols.features import AUTO_FEATURES, feature
+from ncdc_spec.protocols.features import AUTO_FEATURES
 from ncdc_spec.protocols.table_one import MRAW, WRITE
 from ncdc_spec.protocols.table_two import HEADER_BYTES
 from ncdc_spec.registers.register_map import registers
@@ -31,48 +29,13 @@ from ncdc_spec.registers.system_map import Stores, system_registers
 from ncdc_spec.sensors import mt9p031
 from ncdc_spec.white_balance import LARGEST_GAIN, UNITY, gains_word
 
+GAIN_MAX = 63           # of the sensor, eighths
 FRAMES = 40             # within which a device settles, whatever the scene
-PEER = ("10.77.0.1", 5000)
 _LENS = small_lens()
 REGISTERS = {one.name: one.address for one in registers(
     _LENS.hidden_neurons, _LENS.formats, _LENS.nodes, colour=True)}
 CAPTURE_GAINS, = (one.address for one in system_registers(Stores(4, 3, 1))
                   if one.name == "CAPTURE_GAINS")
-
-
-class Client:
-    """Commands to a device; ``answers(datagram)`` gives its answers."""
-
-    def __init__(self, answers):
-        self._answers, self._number = answers, 0
-
-    def command(self, code, payload):
-        self._number += 1
-        *_, last = self._answers(gvcp.command_packet(code, self._number, payload))
-        status, _, number, rest = gvcp.parse_acknowledge(last)
-        assert number == self._number
-        return status, rest
-
-    def get(self, name):
-        status, rest = self.command(gvcp.READREG, struct.pack(">I", feature(name).address))
-        assert status == gvcp.SUCCESS, name
-        return int.from_bytes(rest, "big")
-
-    def write(self, address, value):
-        return self.command(gvcp.WRITEREG, struct.pack(">II", address, value))[0]
-
-    def set(self, **values):
-        """Write features; the status of each."""
-        return [self.write(feature(name).address, value) for name, value in values.items()]
-
-    def control(self):
-        """Take control, and choose this machine as the receiver."""
-        for name, value in (("ControlPrivilege", 2), ("StreamPort", 6000),
-                            ("StreamAddress", int(IPv4Address(PEER[0])))):
-            assert self.write(gvcp.register(name).address, value) == gvcp.SUCCESS
-
-    def exposure(self):
-        return self.get("ExposureTime"), self.get("Gain")
 
 
 class Scene:
@@ -103,7 +66,7 @@ class Emulated:
         one.camera.now_ns = lambda: self._now       # a frame is due when the test says so
         self.client = Client(lambda data: one.agent.answers(data, PEER))
         one.stream.start = lambda receiver, **_: None
-        self.lines_max = one.registers.lines_per_frame
+        self.lines_max = one.registers.limits(True, True).lines[1]
 
     def set_light(self, light, colours=(1, 1, 1)):
         """A grey of ``light`` for each line and eighth of gain."""
@@ -204,6 +167,11 @@ def settled(one):
 
 # The rule itself.
 
+def limits_of(exposure, gain, lines):
+    """What the rule may change of the MT9P031 with so long a frame."""
+    return Limits(exposure, gain, (1, lines), GAIN_MAX)
+
+
 def cases(count, seed=7):
     rng = random.Random(seed)
     for _ in range(count):
@@ -231,7 +199,7 @@ def test_the_firmware_has_the_same_rule(wire_firmware):
     with Wire(wire_firmware) as wire:
         for level, lines, gain, *limits in cases(3000):
             assert wire.rule("e", level, lines, gain, *limits) == exposed(
-                level, lines, gain, Limits(*limits)), (level, lines, gain, limits)
+                level, lines, gain, limits_of(*limits)), (level, lines, gain, limits)
         for sums, pixels, gains in balances(2000):
             assert wire.rule("w", *sums, pixels, *gains) == balanced(sums, pixels, gains)
 
@@ -240,7 +208,7 @@ def test_the_rule_comes_to_rest_at_any_light():
     """A sensor that is linear from black level to white never gets two settings in turn."""
     rng = random.Random(5)
     for _ in range(20_000):
-        limits = Limits(*rng.choice(((1, 1), (1, 0), (0, 1))), rng.choice((1, 2, 5, 50, 1000)))
+        limits = limits_of(*rng.choice(((1, 1), (1, 0), (0, 1))), rng.choice((1, 2, 5, 50, 1000)))
         light, black = 10**rng.uniform(-5, 4), rng.choice((0, 0, 30, 600))
         now = rng.randint(1, 2000), rng.randint(GAIN_MIN, GAIN_MAX)
         for _ in range(FRAMES):
@@ -249,18 +217,18 @@ def test_the_rule_comes_to_rest_at_any_light():
             if now == before:
                 break
         assert now == before, (limits, light, black)
-        assert now[0] <= max(before[0], limits.lines) and GAIN_MIN <= now[1] <= GAIN_MAX
+        assert now[0] <= max(before[0], limits.lines[1]) and GAIN_MIN <= now[1] <= GAIN_MAX
 
 
 def test_a_step_is_bounded():
-    both = Limits(True, True, 100_000)
+    both = limits_of(True, True, 100_000)
     assert exposed(1, 100, 8, both) == (400, 8)
     assert exposed(4080, 100, 8, both)[0] >= 25
     assert exposed(TARGET - BAND, 100, 8, both) == (100, 8)
     assert exposed(TARGET - BAND - 1, 100, 8, both) != (100, 8)
     # The gain goes down first, and up last.
-    assert exposed(2 * TARGET, 1000, 32, Limits(True, True, 1000)) == (1000, 16)
-    assert exposed(TARGET // 2, 900, 8, Limits(True, True, 1000)) == (1000, 14)
+    assert exposed(2 * TARGET, 1000, 32, limits_of(True, True, 1000)) == (1000, 16)
+    assert exposed(TARGET // 2, 900, 8, limits_of(True, True, 1000)) == (1000, 14)
 
 
 # Devices.

@@ -27,11 +27,11 @@ from ncdc_spec.formats import Formats
 from ncdc_spec.geometry import BAYER_PHASE
 from ncdc_spec.interpolation import FAST, GRADIENT, INTERPOLATIONS
 from ncdc_spec.pixel_formats import BGR8, BGRA8, MONO8, bayer_format, packed
-from ncdc_spec.protocols.features import TEST_PATTERNS
 from ncdc_spec.protocols.gvcp import CORRECTOR_BASE
 from ncdc_spec.raw_gains import sample_gains
 from ncdc_spec.registers.host_values import host_values, table_words
 from ncdc_spec.registers.register_map import registers
+from ncdc_spec.sensors.catalogue import SENSORS
 from ncdc_spec.sensors.level import levelled
 
 
@@ -108,13 +108,12 @@ def test_capture_has_its_gains_before_samples_are_bytes(bayer):
     """Of samples between two grey levels too, as capture's golden model; and of a test pattern."""
     light, gains = noise(SIZE), (700, 256, 400)
     phase = BAYER_PHASE.get(bayer)
-    found = expose(light, Exposure(.25, 1, 0, 0, gains), bayer, 0)
+    found = expose(light, Exposure(.25, 1, "Off", 0, gains), bayer, 0)
     wanted = levelled(4 * light.astype(int), gains=sample_gains(SIZE, phase, gains))
     assert np.array_equal(found, wanted)
-    coarse = expose(light, Exposure(.25, 1, 0, 0), bayer, 0)
+    coarse = expose(light, Exposure(.25, 1, "Off", 0), bayer, 0)
     assert len(np.unique(found)) > len(np.unique(coarse)) or phase is None
-    ramp = TEST_PATTERNS[-1].word
-    plain, gained = (expose(light, Exposure(1, 1, ramp, 0, *more), bayer, 0)
+    plain, gained = (expose(light, Exposure(1, 1, "ColorBar", 0, *more), bayer, 0)
                      for more in ((), (gains,)))
     assert np.array_equal(gained, levelled(16 * plain.astype(int),
                                            gains=sample_gains(SIZE, phase, gains)))
@@ -131,23 +130,23 @@ def test_ratios_are_in_raw_frames_too():
 
 def test_the_sensor_multiplies_and_clips():
     light = np.array([[0, 10, 100, 200]], np.uint8)
-    assert expose(light, Exposure(1, 1, 0, 0), "RGGB", 0) is light
-    assert expose(light, Exposure(0.5, 2.125, 0, 0), "RGGB", 0).tolist() == [[0, 11, 106, 213]]
-    assert expose(light, Exposure(2, 1, 0, 0), "RGGB", 0).tolist() == [[0, 20, 200, 255]]
+    assert expose(light, Exposure(1, 1, "Off", 0), "RGGB", 0) is light
+    assert expose(light, Exposure(0.5, 2.125, "Off", 0), "RGGB", 0).tolist() == [[0, 11, 106, 213]]
+    assert expose(light, Exposure(2, 1, "Off", 0), "RGGB", 0).tolist() == [[0, 20, 200, 255]]
     flat = np.full((100, 100), 100, np.uint8)
-    noisy = expose(flat, Exposure(1, 4, 0, 2.0), "RGGB", 1)
+    noisy = expose(flat, Exposure(1, 4, "Off", 2.0), "RGGB", 1)
     assert 250 < noisy.mean() <= 255
-    dark = expose(flat, Exposure(0.25, 4, 0, 2.0), "RGGB", 1).astype(float)
+    dark = expose(flat, Exposure(0.25, 4, "Off", 2.0), "RGGB", 1).astype(float)
     # Photons: 100 x 4 x 0.35 / 16; reading: (2 x 4)^2.
     assert dark.std()**2 == pytest.approx(100 * 4 * 0.35 / 16 + 64, rel=0.1)
-    assert np.array_equal(noisy, expose(flat, Exposure(1, 4, 0, 2.0), "RGGB", 1))
+    assert np.array_equal(noisy, expose(flat, Exposure(1, 4, "Off", 2.0), "RGGB", 1))
 
 
 def test_every_test_pattern_is_another_picture():
     light = noise(SIZE)
-    pictures = [expose(light, Exposure(1, 1, choice.word, 5.0), "RGGB", 0).tobytes()
-                for choice in TEST_PATTERNS[1:]]
-    assert len(set(pictures)) == len(TEST_PATTERNS) - 1
+    names = {name for sensor in SENSORS if sensor.controls for name in sensor.controls.patterns}
+    pictures = [expose(light, Exposure(1, 1, name, 5.0), "RGGB", 0).tobytes() for name in names]
+    assert len(names) == 7 and len(set(pictures)) == len(names)
 
 
 def test_the_newest_frame_has_every_setting_written_before():

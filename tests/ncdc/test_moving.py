@@ -26,7 +26,7 @@ def folder(tmp_path_factory):
 
 def simulate(folder, *options, image="photo.png", output="moving.png"):
     return main(["simulate", str(folder / "net.toml"), str(folder / image), "-o",
-                 str(folder / output), "--sensor", "mt9p031", *options])
+                 str(folder / output), "--camera", "mt9p031", *options])
 
 
 @pytest.mark.parametrize("options,sentence", [
@@ -36,8 +36,8 @@ def simulate(folder, *options, image="photo.png", output="moving.png"):
     (("--velocity", "0,nan"), "the velocity is 0,nan, at most 1000 pixels per frame"),
     (("--exposure-us", "-1"), "the exposure is -1 us"),
     (("--exposure-us", "nan"), "the exposure is nan us"),
-    (("--tone", "sRGB"), "--tone is given with --sensor mt9p031, which does not take it"),
-    (("--line-clocks", "90"), "--line-clocks is given with --sensor mt9p031"),
+    (("--tone", "sRGB"), "--tone is given with --camera mt9p031, which does not take it"),
+    (("--line-clocks", "90"), "--line-clocks is given with --camera mt9p031"),
     (("--sensor", "mt9"), "the sensor is 'mt9', known are mt9p031, mt9d111, ov5640, imx219, "
      "ov5647"),
 ])

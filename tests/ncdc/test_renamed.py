@@ -54,7 +54,6 @@ RENAMED = [
     ("plan net.toml", "--rate 30", "--min-fps 30"),
     ("plan net.toml", "--camera ov5640", "--sensor ov5640"),
     ("plan net.toml --follow", "--camera-line 900", "--line-clocks 900"),
-    ("simulate net.toml a.png -o b.png", "--camera ov5640", "--sensor ov5640"),
     ("simulate net.toml a.png -o b.png", "--camera-line 900", "--line-clocks 900"),
     ("device serve net.toml", "--loss 0.01", "--packet-loss 0.01"),
     ("device serve net.toml", "--loss-again 0.01", "--resend-loss 0.01"),

@@ -14,7 +14,7 @@ from ncdc_soc.soc import soc_verilog
 from ncdc_spec.hardware import Hardware
 from ncdc_spec.protocols import gvcp
 from ncdc_spec.protocols.table_one import TCP_PORT
-from ncdc_spec.sensors.framing import grid_row, setup_around
+from ncdc_spec.sensors.framing import camera_of, grid_row, setup_around
 
 __all__ = ["CLIENT_IP", "TcpUser", "Wire", "wire_config", "wire_program"]
 
@@ -22,13 +22,14 @@ CLIENT_IP, _CLIENT_MAC = "10.77.0.1", "02:00:00:00:00:01"
 _DEVICE = Identity()
 
 
-def wire_config(descriptor, field=None, capacity=None, colour=False):
-    """``text(clock_hz=None)``: config.h of a system with an MT9P031 for ``descriptor``, at that
+def wire_config(descriptor, field=None, capacity=None, colour=False, sensor="mt9p031"):
+    """``text(clock_hz=None)``: config.h of a system with a ``sensor`` for ``descriptor``, at that
     clock or its own; ``field`` of the sensor, ``capacity`` of a packet if not the packetiser's,
     ``colour``: the corrector has gains."""
-    setup, crop = setup_around("mt9p031", descriptor.geometry, field=field)
+    setup, crop = setup_around(sensor, descriptor.geometry, field=field)
     hardware = Hardware(bus="axi", format="BGR8", colour=colour)
-    core = SocCore(descriptor, hardware, grid=grid_row(setup, crop))
+    core = SocCore(descriptor, hardware, grid=grid_row(setup, crop),
+                   camera=camera_of(setup, crop))
     soc, capacity = soc_verilog(core), capacity or core.packetiser.capacity
     return lambda clock_hz=None: config(
         core.system, capacity, replace(soc, clock_hz=clock_hz) if clock_hz else soc, setup, crop)
@@ -120,6 +121,11 @@ class Wire:
     def peek(self, register):
         """The corrector's register at a word address."""
         self._command(f"q {4 * register}")
+        return self._values[0]
+
+    def sensor_register(self, address):
+        """The word of a register of the sensor."""
+        self._command(f"i {address}")
         return self._values[0]
 
     def rule(self, kind, *numbers):

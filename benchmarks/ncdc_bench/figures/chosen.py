@@ -154,9 +154,9 @@ def _grid(report):
 def _system(report):
     names = {"frames": "frames", "pixels_compared": "pixels", "pixels_different": "wrong",
              "camera_bytes_dropped": "dropped", "clocks_per_pixel": "clocks",
-             "predicted_clocks_per_pixel": "predicted"}
+             "predicted_clocks_per_pixel": "predicted", "csi_faults": "csi_faults"}
     return {"camera": {name: row[key] for row in report["rows"] if row["width"] == 640
-                       for key, name in names.items()}}
+                       for key, name in names.items() if row[key] is not None}}
 
 
 def _pictures(report):
@@ -281,7 +281,11 @@ GROUPS = {
                          ("reference_seconds", "ratio"), _calibration),
     "model": Group("ncdc bench model", ("device", "map_milliseconds"), _model,
                    lambda report: len({row["size"] for row in report["rows"]}) > 1),
-    "system": Group("ncdc bench system --quick", ("follow_bound_clocks", "frames_torn"), _system),
+    "system": Group("ncdc bench system --quick", ("follow_bound_clocks", "frames_torn"), _system,
+                    lambda report: report["rows"][0]["camera"] == "mt9p031"),
+    "system_csi2": Group("ncdc bench system --camera imx219 --quick",
+                         ("follow_bound_clocks", "frames_torn"), _system,
+                         lambda report: report["rows"][0]["camera"] == "imx219"),
     "accuracy": Group(f"ncdc bench accuracy --lens {_LENSES} --neurons 10 --model pbm6-shared "
                       "pbm6-separate brown5 opencv-fisheye opencv-full mesh8-bilinear "
                       "mesh128-bicubic ncdc",

@@ -4,7 +4,7 @@
 from ncdc.cli.common import add_json, report_failures, write_report
 from ncdc.terminal import Progress
 from ncdc.text_table import text_table
-from ncdc_bench.system.measure import FULL, QUICK, measure
+from ncdc_bench.system.measure import measure, runs_of
 
 __all__ = ["EXAMPLE", "HELP", "add_arguments", "failures", "run", "table"]
 
@@ -16,13 +16,16 @@ _PREDICTION = .02       # of the clocks, by which the planner may be wrong
 
 def add_arguments(parser):
     """Declare the command's arguments on an argparse parser."""
+    parser.add_argument("--camera", default="mt9p031", metavar="NAME",
+                        help="sensor: mt9p031 (default), imx219, ...; one with CSI-2 lanes sends "
+                             "their bytes to the receiver")
     parser.add_argument("--quick", action="store_true", help="no frames above 640x480: minutes")
     add_json(parser)
 
 
 def run(args):
     """Measure and report; 1 on a wrong pixel, a torn or lost frame, or an unreported fault."""
-    rows = list(measure(QUICK if args.quick else FULL, lambda run: Progress(str(run))))
+    rows = list(measure(runs_of(args.camera, args.quick), lambda run: Progress(str(run))))
     if not write_report({"rows": rows}, args.json):
         print(table(rows))
     return report_failures("bench system", failures(rows))
@@ -33,6 +36,8 @@ def failures(rows):
     found = []
     for row in rows:
         name = row["fault"] or f"{row['width']}x{row['height']} on {row['memory']}"
+        if row["csi_faults"] and not row["fault"]:
+            found.append(f"{name}: the receiver counted {row['csi_faults']} faults")
         if row["pixels_different"]:
             found.append(f"{name}: {row['pixels_different']} pixels differ")
         if row["frames_torn"]:
@@ -61,6 +66,8 @@ def _clocks(name):
 
 
 _COLUMNS = (
+    ("camera", lambda row: row["camera"]),
+    ("lanes", lambda row: row["lanes"] or "-"),
     ("size", lambda row: f"{row['width']}x{row['height']}"),
     ("memory", lambda row: row["memory"]),
     ("to", lambda row: row["output"]),

@@ -10,14 +10,14 @@ from ncdc_host.client.device import Device, FeatureInfo, FrameStream, Rate, Stat
 from ncdc_host.client.errors import DeviceError, DeviceGone, NoFrame, Rejected
 from ncdc_host.client.frame import Frame
 from ncdc_spec.errors import InputError
-from ncdc_spec.protocols.features import FEATURES, feature, system_word
+from ncdc_spec.protocols.features import FEATURES, features_of, system_word
 from ncdc_spec.protocols.table_one import MRAW, READ, REQUEST, UNKNOWN, WRITE
 from ncdc_spec.protocols.table_two import HEADER_BYTES, MrawHeader
+from ncdc_spec.sensors.catalogue import sensor_at
 
 __all__ = ["Connection", "Package", "TableDevice"]
 
 _SECONDS = 5.0          # that an answer may take
-_FEATURES = {one.name: one for one in FEATURES if one.table}
 _UNKNOWN_TENTHS = 1000  # of frames per second, when asked of a device that does not say
 _NUMBER = (system_word("NUMBER_UPPER"), system_word("NUMBER_LOWER"))
 
@@ -143,11 +143,15 @@ class TableDevice(Device):
         self._lock = threading.RLock()      # of what takes several words
         try:
             version = self._connection.read(system_word("WIDTH_MAX"))
+            sensor = sensor_at(self._connection.read(system_word("SENSOR_ADDRESS")))
         except NoFrame:
             version = 0
         if not version:
             self._connection.close()
             raise DeviceError(f"{self.url} does not answer as a device does")
+        # Over USB, and of an earlier version, a device does not say which sensor it has.
+        features = features_of(sensor) if sensor and sensor.controls else FEATURES
+        self._features = {one.name: one for one in features if one.parts}
 
     @property
     def access(self):
@@ -156,7 +160,7 @@ class TableDevice(Device):
         return "monitor" if self._monitor else "control"
 
     def names(self):
-        return list(_FEATURES)
+        return list(self._features)
 
     def _word(self, call, *values):
         try:
@@ -170,15 +174,10 @@ class TableDevice(Device):
 
     def _register(self, one):
         """The feature's register, from its words."""
-        value = 0
-        for address in one.table:
-            value = value << 16 | self._word(self._connection.read, address)
-        if one.field:
-            value = value >> one.field[0] & (1 << one.field[1]) - 1
-        return one.register_of(value)
+        return one.register(lambda address: self._word(self._connection.read, address))
 
     def _scale(self, one):
-        factor = self._register(feature(one.scale_from)) if one.scale_from else 1
+        factor = self._register(self._known(one.scale_from)) if one.scale_from else 1
         return Fraction(factor * one.scale[0], one.scale[1])
 
     def _value(self, one):
@@ -192,9 +191,9 @@ class TableDevice(Device):
         return register
 
     def _known(self, name):
-        if name not in _FEATURES:
+        if name not in self._features:
             raise DeviceError(f"{self.url} has no feature {name!r}")
-        return _FEATURES[name]
+        return self._features[name]
 
     def get(self, name):
         with self._lock:
@@ -212,11 +211,12 @@ class TableDevice(Device):
                     float(number * scale) if one.kind == "float" else number
                     for number in (one.low, min(one.high, self._highest(one)), one.step))
         writable = one.access == "rw" and not locked and self.access == "control"
+        choices = tuple(choice.name for choice in one.choices if one.kind == "enumeration")
         return FeatureInfo(one.name, one.kind, value, writable, low, high, step, one.unit,
-                           tuple(choice.name for choice in one.choices), one.text, one.category)
+                           choices, one.text, one.category)
 
     def _highest(self, one):
-        values = [self._register(feature(name)) for name in one.high_from]
+        values = [self._register(self._known(name)) for name in one.high_from]
         return values[0] - sum(values[1:]) if values else one.high
 
     def set(self, name, value):
@@ -225,19 +225,16 @@ class TableDevice(Device):
             if not info.writable:
                 raise Rejected(_why_not(one, info, self.access))
             value = as_kind(info, value)
-            register = self._as_register(one, value)
-            word, words = one.word_of(register), []
-            if one.field:
-                lowest, width = one.field
-                mask = (1 << width) - 1 << lowest
-                word = (self._word(self._connection.read, one.table[0]) & ~mask) | word << lowest
-            for k, address in enumerate(reversed(one.table)):
-                part = word >> 16 * k & 0xFFFF
-                words.append((part, self._word(self._connection.write, address, part)))
-            for sent, answered in words:
-                if sent != answered:
-                    raise Rejected(f"{name} is rejected by {self.url}: {value} was written, "
-                                  f"{self._value(one)} is read back")
+            words = []
+            for part, number in one.writes(self._as_register(one, value)):
+                # Bits of the word that are not the feature's stay as they are.
+                whole = part.width == 16
+                word = 0 if whole else self._word(self._connection.read, part.address)
+                word = part.placed(word, number)
+                words.append((word, self._word(self._connection.write, part.address, word)))
+            if any(sent != answered for sent, answered in words):
+                raise Rejected(f"{name} is rejected by {self.url}: {value} was written, "
+                               f"{self._value(one)} is read back")
             return self._value(one)
 
     def _as_register(self, one, value):

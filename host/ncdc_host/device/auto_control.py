@@ -8,7 +8,6 @@ from ncdc_spec.protocols.auto_control import (
     LEVEL_SHIFT,
     OFF,
     ONCE,
-    Limits,
     balanced,
     exposed,
     sample_positions,
@@ -48,12 +47,11 @@ class AutoControl:
 
     def _expose(self, frame):
         auto = self._registers.auto
-        limits = Limits(auto["ExposureAuto"] != OFF, auto["GainAuto"] != OFF,
-                        self._registers.lines_per_frame)
+        limits = self._registers.limits(auto["ExposureAuto"] != OFF, auto["GainAuto"] != OFF)
         present = self._registers.lines, frame.settings.gain_eighths
-        found = exposed(frame.level, *present, limits)
-        if found != present:
-            self._registers.set_exposure(*found)
+        lines, gain = exposed(frame.level, *present, limits)
+        if (lines, self._registers.possible_gain(gain)) != present:
+            self._registers.set_exposure(lines, gain)
         else:
             self._settled("ExposureAuto", "GainAuto")
 

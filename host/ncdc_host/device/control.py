@@ -9,7 +9,7 @@ from ipaddress import IPv4Address
 from ncdc_host.device.registers import Rejected
 from ncdc_host.device.stream import Receiver
 from ncdc_spec.protocols import gvcp, gvsp
-from ncdc_spec.protocols.features import FEATURES, VIEW_FEATURES, feature, register_number
+from ncdc_spec.protocols.features import VIEW_FEATURES, feature, register_number
 from ncdc_spec.protocols.genicam import genicam_xml
 
 __all__ = ["ControlAgent", "Identity"]
@@ -71,18 +71,17 @@ class ControlAgent:
     def __init__(self, identity, registers, camera, stream, corrector):
         self._identity, self._registers = identity, registers
         self._camera, self._stream, self._corrector = camera, stream, corrector
-        view = registers.has_view
-        xml = self._xml = genicam_xml(view=view)
-        self._xml += bytes(-len(self._xml) % 4)
+        self._xml = genicam_xml(features=registers.features)
         self._words = {}                # numbers of the bootstrap registers by address
         self._texts = {}                # (address, bytes) of texts
         for name, value in identity.numbers.items():
             self._words[gvcp.register(name).address] = value
-        url = f"Local:{gvcp.XML_NAME};{gvcp.XML_BASE:X};{len(xml):X}"
+        url = f"Local:{gvcp.XML_NAME};{gvcp.XML_BASE:X};{len(self._xml):X}"
+        self._xml += bytes(-len(self._xml) % 4)
         for name, text in {**identity.texts, "FirstUrl": url}.items():
             register = gvcp.register(name)
             self._texts[register.address] = text.encode().ljust(register.length, b"\0")
-        self._features = {one.address: one for one in (*FEATURES, *(VIEW_FEATURES if view else ()))
+        self._features = {one.address: one for one in registers.features
                           if one.address >= gvcp.FEATURE_BASE}
         self._writable = {register.address: register.name for register in gvcp.BOOTSTRAP
                           if register.access == "rw"}
@@ -257,7 +256,7 @@ class ControlAgent:
         raise _Status(gvcp.INVALID_ADDRESS)
 
     def _read_feature(self, one):
-        if one.table:
+        if one.parts:
             return self._registers.read_feature(one)
         if one.name == "PayloadSize":
             return self._registers.settings.view.size
@@ -342,7 +341,7 @@ class ControlAgent:
     def _write_feature(self, one, value):
         if one.access == "ro":
             raise Rejected("read only")
-        if one.table:
+        if one.parts:
             self._registers.write_feature(one, value)
             return
         value = register_number(one, value)

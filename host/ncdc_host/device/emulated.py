@@ -51,6 +51,8 @@ class DeviceOptions:
     field : str
         Part of the sensor that raw frames show, as of
         :func:`ncdc_spec.sensors.framing.setup_around`; None: the middle, pixel by pixel.
+    sensor : str
+        Name of its sensor.
 
     Raises
     ------
@@ -65,6 +67,7 @@ class DeviceOptions:
     noise: float = 1.0
     tcp_port: int = TCP_PORT
     field: str = None
+    sensor: str = "mt9p031"
 
     def __post_init__(self):
         for name, low, high in (("fps", 0.1, 120), ("loss", 0, 0.5), ("loss_again", 0, 0.5),
@@ -148,7 +151,7 @@ class EmulatedDevice:
         descriptor = corrections[0].descriptor
         light = MovingScene(descriptor) if image is None else Photo(image, descriptor.geometry)
         self.registers = Registers(descriptor.geometry, len(corrections), round(10 * options.fps),
-                                   options.field, _planes(corrections))
+                                   options.field, options.sensor, _planes(corrections))
         self.camera = Camera(light, corrections, self.registers, options.noise)
         self._closed = threading.Event()
         with ExitStack() as opened:

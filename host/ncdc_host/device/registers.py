@@ -9,16 +9,17 @@ from dataclasses import dataclass, replace
 from ncdc_spec.colour import Colour
 from ncdc_spec.errors import InputError
 from ncdc_spec.pixel_formats import BGR8, PixelFormat, bayer_format, format_of_mraw
-from ncdc_spec.protocols.auto_control import OFF
+from ncdc_spec.protocols.auto_control import GAIN_MIN, OFF, Limits
 from ncdc_spec.protocols.features import (
     AUTO_FEATURES,
-    FEATURES,
     VIEW_FEATURES,
     feature,
+    features_of,
     system_word,
 )
 from ncdc_spec.protocols.table_one import SYSTEM_PAGE, SYSTEM_WORDS
-from ncdc_spec.sensors import mt9p031 as sensor
+from ncdc_spec.sensors.catalogue import controlled_sensor, line_ns, window
+from ncdc_spec.sensors.controls import number_in
 from ncdc_spec.sensors.field import FULL
 from ncdc_spec.sensors.framing import field_values, setup_around
 from ncdc_spec.sensors.sensor import Settings as Window
@@ -26,32 +27,24 @@ from ncdc_spec.view_matrix import Angles
 
 __all__ = ["Rejected", "Registers", "Settings", "View"]
 
-_SENSOR_REGISTERS = 0x100           # further addresses answer nothing: read as 0
-_CLOCK_HZ = sensor.SENSOR.clock_hz
 _EXPOSURE_NS = 10_000_000           # after reset: what the photo was taken with
-_MIRRORS = 1 << sensor.MIRROR_ROW | 1 << sensor.MIRROR_COLUMN     # of READ_MODE_2
-# All that may be written, of the sensor and of the system's page.
-_WRITABLE = {sensor.READ_MODE_2, *(one.address for one in sensor.SENSOR.user_registers)} | {
-    word.address for word in SYSTEM_WORDS if word.access == "rw"}
-# Sensor registers that a device caches, so that reading them takes no time on the I2C bus.
-_CACHED = {sensor.SHUTTER_UPPER, sensor.SHUTTER_LOWER, sensor.GLOBAL_GAIN, sensor.TEST_PATTERN}
-_SHAPE = {address for one in FEATURES if one.locked for address in one.table}
-# Words that the device alone writes while a feature is automatic, and that feature.
-_AUTOMATIC = {address: one.locked_by for one in FEATURES if one.locked_by for address in one.table}
+_WRITABLE = {word.address for word in SYSTEM_WORDS if word.access == "rw"}
 
 
-def _framing(geometry, field):
-    """Settings of an MT9P031, and the words of the page that describe them.
+def _framing(sensor, geometry, field):
+    """Settings of the sensor, and the words of the page that describe them.
 
     A picture larger than the sensor is emulated too, without a sensor, if no field is named.
     """
     try:
-        plan, crop = setup_around(sensor.SENSOR.name, geometry, field=field, clock_hz=_CLOCK_HZ)
+        plan, crop = setup_around(sensor.name, geometry, field=field, clock_hz=sensor.clock_hz)
     except InputError:
         if field not in (None, FULL):
             raise
-        return Window(), {"SENSOR_WIDTH": 0, "SENSOR_HEIGHT": 0, "DECIMATION_X": 1,
-                          "DECIMATION_Y": 1, "FIELD_LEFT": 0, "FIELD_TOP": 0}
+        settings = Window(clock_hz=sensor.clock_hz, pixel_clock_hz=sensor.pixel_clock_hz)
+        return settings, {"SENSOR_WIDTH": 0, "SENSOR_HEIGHT": 0, "DECIMATION_X": 1,
+                          "DECIMATION_Y": 1, "FIELD_LEFT": 0, "FIELD_TOP": 0,
+                          "SENSOR_ADDRESS": sensor.i2c_address}
     return plan.settings, field_values(plan, crop, geometry)
 
 
@@ -107,7 +100,7 @@ class Settings:
     lens: int
     exposure_ns: int
     gain_eighths: int
-    pattern: int
+    pattern: str
     rate_tenths: int
     colour: Colour = Colour()
     angles: Angles = Angles()
@@ -126,13 +119,16 @@ class Registers:
     field : str, optional
         Part of the sensor that raw frames show, as of
         :func:`ncdc_spec.sensors.framing.setup_around`.
+    sensor : str
+        Name of the sensor.
     planes : sequence of PlaneCamera, optional
         Camera of each lens's corrected picture, for a device with a view.
 
     Attributes
     ----------
-    has_view : bool
-        Whether there are :data:`~ncdc_spec.protocols.features.VIEW_FEATURES`.
+    features : tuple of Feature
+        Of a device with this sensor, and with :data:`~ncdc_spec.protocols.features.VIEW_FEATURES`
+        if it has a view.
     lock : RLock
         Held by who needs several words at one time.
     auto : dict of str to int
@@ -147,32 +143,57 @@ class Registers:
     Raises
     ------
     InputError
-        If the raw frames cannot show that part of the sensor.
+        If no device with that sensor is emulated, or the raw frames cannot show that part of it.
     """
-    def __init__(self, geometry, lenses, rate_tenths, field=None, planes=()):
+    def __init__(self, geometry, lenses, rate_tenths, field=None, sensor="mt9p031", planes=()):
         self.lock = threading.RLock()
         self._geometry, self._lens_max = geometry, lenses - 1
         self._on_change = []
         self.bus_accesses = 0
         self._streaming = False
         self._colour = Colour()
-        self.has_view, self._planes = bool(planes), planes
+        self._planes = planes
         self._angles = {one.name: round(getattr(Angles(), one.name.lower()) * one.scale[1])
                         for one in VIEW_FEATURES if one.access == "rw"}
         self.auto = dict.fromkeys(AUTO_FEATURES, OFF)
         self.controlled = False
-        self._asked, self._field = _framing(geometry, field)
+        self._sensor = controlled_sensor(sensor)
+        self._use_features((*features_of(self._sensor), *(VIEW_FEATURES if planes else ())))
+        self._asked, self._field = _framing(self._sensor, geometry, field)
         self._view = self._whole(View(BGR8, 0, 0, 0, 0))
         self._lens, self._rate = 0, rate_tenths
-        self._sensor = [0] * _SENSOR_REGISTERS
-        self._sensor[sensor.GLOBAL_GAIN] = 8
-        self.reference_ns = self._set_lines(round(_EXPOSURE_NS / self._line_ns()))
+        self._words = {}                # of the sensor's registers, by address
+        lines = round(_EXPOSURE_NS / self._line_ns())
+        for name, value in (("ExposureTime", lines), ("Gain", GAIN_MIN), ("ReverseX", 0),
+                            ("ReverseY", 0)):
+            self._put(name, value)
+        self.reference_ns = lines * self._line_ns()
         self.dropped = self.torn = 0
 
-    def _set_lines(self, lines):
-        self._sensor[sensor.SHUTTER_UPPER], self._sensor[sensor.SHUTTER_LOWER] = divmod(lines,
-                                                                                       1 << 16)
-        return lines * self._line_ns()
+    def _use_features(self, features):
+        """Compute from the features what each word of the sensor is."""
+        self.features = features
+        self._feature = {one.name: one for one in features}
+        self._shape = {address for one in features if one.locked for address in one.table}
+        # Words that the device alone writes while a feature is automatic, and that feature.
+        self._automatic = {address: one.locked_by for one in features if one.locked_by
+                           for address in one.table}
+        self._mirrors = {}              # bits that mirror, by address
+        for name in ("ReverseX", "ReverseY"):
+            for part in self._feature[name].parts:
+                self._mirrors[part.address] = self._mirrors.get(part.address, 0) | part.mask
+
+    def _word(self, address):
+        return self._words.get(address, 0)
+
+    def _put(self, name, value):
+        """Set a feature in the sensor's registers, unchecked."""
+        for part, number in self._feature[name].writes(value):
+            self._words[part.address] = part.placed(self._word(part.address), number)
+
+    def _of_sensor(self, name):
+        """The register of a feature that is in those of the sensor."""
+        return self._feature[name].register(self._word)
 
     def on_change(self, call):
         """Have ``call()`` called, under the lock, whenever a setting of the picture changed."""
@@ -182,31 +203,35 @@ class Registers:
     def settings(self):
         """The present :class:`Settings`."""
         with self.lock:
-            word = self._sensor
-            gain = max(8, word[sensor.GLOBAL_GAIN] & 63)
-            return Settings(self._view, self._lens, self.lines * self._line_ns(), gain,
-                            word[sensor.TEST_PATTERN], self._rate, self._colour,
+            controls = self._sensor.controls
+            pattern = controls.pattern_named(number_in(controls.pattern, self._word))
+            return Settings(self._view, self._lens, self.lines * self._line_ns(),
+                            self._of_sensor("Gain"), pattern, self._rate, self._colour,
                             _angles_of(self._angles))
 
     @property
     def lines(self):
-        """Exposure in lines, at least 1."""
-        word = self._sensor
-        return max(1, word[sensor.SHUTTER_UPPER] << 16 | word[sensor.SHUTTER_LOWER])
+        """Exposure in lines, at least the sensor's shortest."""
+        return max(self._feature["ExposureTime"].low, self._of_sensor("ExposureTime"))
 
-    @property
-    def lines_per_frame(self):
-        """Lines of the longest exposure that keeps the frame rate, at least 1."""
-        lines = 10_000_000_000 // (self._rate * self._line_ns())
-        return min(max(1, lines), feature("ExposureTime").high)
+    def limits(self, exposure, gain):
+        """The :class:`Limits` of a rule that controls the exposure, the gain or both: the longest
+        exposure is one that keeps the frame rate."""
+        lines, gains = self._feature["ExposureTime"], self._feature["Gain"]
+        frame = 10_000_000_000 // (self._rate * self._line_ns())
+        return Limits(exposure, gain, (lines.low, min(max(lines.low, frame), lines.high)),
+                      gains.high)
+
+    def possible_gain(self, eighths):
+        """The gain that the sensor has if one of ``eighths`` is set."""
+        gain = self._sensor.controls.gain
+        return gain.eighths(gain.word(eighths))
 
     def set_exposure(self, lines, gain):
         """Set the exposure in lines and the gain in eighths, as automatic features do."""
         with self.lock:
-            self._set_lines(lines)
-            low, width = sensor.ANALOG_GAIN
-            self._sensor[sensor.GLOBAL_GAIN] &= ~((1 << width) - 1 << low)
-            self._sensor[sensor.GLOBAL_GAIN] |= gain << low
+            self._put("ExposureTime", lines)
+            self._put("Gain", gain)
             self._change()
 
     def set_colour(self, colour):
@@ -269,24 +294,28 @@ class Registers:
         with self.lock:
             if address >= SYSTEM_PAGE:
                 return self._system().get(address, 0)
-            if address >= _SENSOR_REGISTERS:
+            if address > self._sensor.last_register:
                 return 0
-            self.bus_accesses += address not in _CACHED
-            return self._window().get(address, self._sensor[address])
+            # A device caches what features are in: reading them takes no time on the I2C bus.
+            self.bus_accesses += address not in self._sensor.controls.addresses
+            return self._window().get(address, self._word(address))
 
     def write(self, address, value):
         """Write the word at ``address``; raises :class:`Rejected`."""
         with self.lock:
-            if address not in _WRITABLE:
+            mirrors = self._mirrors.get(address, 0)
+            if not (mirrors or address in _WRITABLE
+                    or address < SYSTEM_PAGE
+                    and self._sensor.user_takes(address, value) is not None):
                 raise Rejected("read only")
             changed = value ^ self.read(address)
             if not changed:
                 return
-            if address == sensor.READ_MODE_2 and changed & ~_MIRRORS:
+            if mirrors and changed & ~mirrors:
                 raise Rejected("read only")
-            if self._streaming and address in _SHAPE:
+            if self._streaming and address in self._shape:
                 raise Rejected("locked")
-            if self.controlled and self.auto.get(_AUTOMATIC.get(address), OFF) != OFF:
+            if self.controlled and self.auto.get(self._automatic.get(address), OFF) != OFF:
                 raise Rejected("locked")
             if address >= SYSTEM_PAGE:
                 self._write_system(address, value)
@@ -313,18 +342,16 @@ class Registers:
         raw = view.pixel_format.raw
         width, height = (view.width, view.height) if raw else self._geometry.distorted
         x, y = (view.x, view.y) if raw else (0, 0)
-        skip = self._asked.skip
-        mode = sensor.mode_word(self._asked)
-        return {sensor.CHIP_VERSION: sensor.CHIP_VERSION_VALUE,
-                sensor.ROW_START: sensor.FIRST_ROW + self._asked.top + skip * y,
-                sensor.COLUMN_START: sensor.FIRST_COLUMN + self._asked.left + skip * x,
-                sensor.ROW_SIZE: skip * height - 1, sensor.COLUMN_SIZE: skip * width - 1,
-                sensor.ROW_MODE: mode, sensor.COLUMN_MODE: mode}
+        asked, step = self._asked, self._sensor.limits.step
+        return dict(self._sensor.chip_id) | window(self._sensor, replace(
+            asked, left=asked.left + asked.skip * x, top=asked.top + asked.skip * y,
+            # Capture cuts off what the sensor sends too much.
+            width=-(-width // step) * step, height=-(-height // step) * step))
 
     def _line_ns(self):
         view = self._view
         columns = view.width if view.pixel_format.raw else self._geometry.distorted_width
-        return sensor.line_time_ns(columns, self._asked.bins)
+        return line_ns(self._sensor, replace(self._asked, width=columns))
 
     def _whole(self, view):
         """``view`` without a window."""
@@ -389,27 +416,21 @@ class Registers:
         return view if pixel_format.raw == self._view.pixel_format.raw else self._whole(view)
 
     def _write_sensor(self, address, value):
-        if sensor.SENSOR.user_takes(address, value) is False:
+        if self._sensor.user_takes(address, value) is False:
             raise Rejected("value")
-        self._sensor[address] = value
+        self._words[address] = value
         self.bus_accesses += 1
-        if address == sensor.READ_MODE_2:
+        if address in self._mirrors:
             self._view = self._present(replace(
-                self._view, reverse_x=bool(value >> sensor.MIRROR_COLUMN & 1),
-                reverse_y=bool(value >> sensor.MIRROR_ROW & 1)))
+                self._view, reverse_x=bool(self._of_sensor("ReverseX")),
+                reverse_y=bool(self._of_sensor("ReverseY"))))
 
     # Features that lie in the words.
 
     def read_feature(self, one):
-        """The 32-bit register of a feature that has a ``table``."""
+        """The 32-bit register of a feature that has ``parts``."""
         with self.lock:
-            value = 0
-            for address in one.table:
-                value = value << 16 | self.read(address)
-            if one.field:
-                lowest, width = one.field
-                value = value >> lowest & (1 << width) - 1
-            return one.register_of(value)
+            return one.register(self.read)
 
     def write_feature(self, one, register):
         """Write the 32-bit register of such a feature; raises :class:`Rejected`."""
@@ -417,11 +438,6 @@ class Registers:
             raise Rejected("value")
         if one.choices and register not in {choice.value for choice in one.choices}:
             raise Rejected("value")
-        value = one.word_of(register)
         with self.lock:
-            if one.field:
-                lowest, width = one.field
-                mask = (1 << width) - 1 << lowest
-                value = self.read(one.table[0]) & ~mask | value << lowest
-            for k, address in enumerate(reversed(one.table)):
-                self.write(address, value >> 16 * k & 0xFFFF)
+            for part, number in one.writes(register):
+                self.write(part.address, part.placed(self.read(part.address), number))

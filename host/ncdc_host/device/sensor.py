@@ -8,7 +8,6 @@ import numpy as np
 
 from ncdc_model.images import mosaic
 from ncdc_spec.geometry import BAYER_PHASE
-from ncdc_spec.protocols.features import TEST_PATTERNS
 from ncdc_spec.raw_gains import NO_RAW_GAINS, sample_gains
 from ncdc_spec.sensors.level import SAMPLE_BITS, levelled
 
@@ -18,7 +17,7 @@ _SHOT = 0.35 / 16       # variance of the photon noise per grey level at gain 1
 _SHIFTS = 64                    # columns and rows by which a frame's noise may be shifted
 _BAR_COLOURS = ((255, 255, 255), (255, 255, 0), (0, 255, 255), (0, 255, 0), (255, 0, 255),
                 (255, 0, 0), (0, 0, 255), (0, 0, 0))
-_MODES = {choice.name: choice.word for choice in TEST_PATTERNS}
+_FIELD_COLOUR = (165, 90, 170)  # of ColorField
 
 
 @dataclass(frozen=True)
@@ -30,8 +29,8 @@ class Exposure:
     factor : float
         Exposure time over the reference one.
     gain : float
-    pattern : int
-        Value of the test pattern register.
+    pattern : str
+        Name of the test pattern, "Off" without one.
     noise : float
         Standard deviation of the read noise in grey levels at gain 1; 0: no noise at all.
     raw_gains : tuple of int
@@ -39,7 +38,7 @@ class Exposure:
     """
     factor: float
     gain: float
-    pattern: int
+    pattern: str
     noise: float
     raw_gains: tuple = NO_RAW_GAINS
 
@@ -61,7 +60,7 @@ def expose(light, exposure, bayer, seed):
 
 def _sent(light, exposure, bayer, seed):
     """The frame that the sensor makes of ``light``: grey levels, uint8 or real."""
-    if exposure.pattern:
+    if exposure.pattern != "Off":
         return test_pattern(exposure.pattern, light.shape[1], light.shape[0], bayer)
     scale = np.float32(exposure.factor * exposure.gain)
     if scale == 1 and not exposure.noise:
@@ -109,18 +108,18 @@ def _captured(raw, bayer, gains):
     return captured
 
 
-def test_pattern(word, width, height, bayer):
-    """Raw uint8 frame that the sensor makes when its test pattern register holds ``word``."""
+def test_pattern(name, width, height, bayer):
+    """Raw uint8 frame of the sensor's test pattern of that name."""
     v, u = np.indices((height, width))
     across, down = u * 255 // (width - 1), v * 255 // (height - 1)
     grey = {
-        _MODES["GreyHorizontalRamp"]: across,
-        _MODES["GreyVerticalRamp"]: down,
-        _MODES["GreyDiagonalRamp"]: (u + v) * 255 // (width + height - 2),
-        _MODES["HorizontalBars"]: 255 * (v // 16 % 2),
-        _MODES["VerticalBars"]: 255 * (u // 16 % 2),
+        "GreyHorizontalRamp": across,
+        "GreyVerticalRamp": down,
+        "GreyDiagonalRamp": (u + v) * 255 // (width + height - 2),
+        "HorizontalBars": 255 * (v // 16 % 2),
+        "VerticalBars": 255 * (u // 16 % 2),
     }
-    if word in grey:
-        return grey[word].astype(np.uint8)
-    colours = np.array(_BAR_COLOURS, np.uint8)
+    if name in grey:
+        return grey[name].astype(np.uint8)
+    colours = np.array([_FIELD_COLOUR] if name == "ColorField" else _BAR_COLOURS, np.uint8)
     return mosaic(colours[u * len(colours) // width], bayer)

@@ -10,8 +10,8 @@ from dataclasses import dataclass
 
 from ncdc_spec.white_balance import grey_world
 
-__all__ = ["BALANCE_BAND", "BALANCE_DARK", "BAND", "CONTINUOUS", "GAIN_MAX", "GAIN_MIN",
-           "LEVEL_SHIFT", "Limits", "MODES", "OFF", "ONCE", "SAMPLES", "STEP_FACTOR", "TARGET",
+__all__ = ["BALANCE_BAND", "BALANCE_DARK", "BAND", "CONTINUOUS", "GAIN_MIN", "LEVEL_SHIFT",
+           "Limits", "MODES", "OFF", "ONCE", "SAMPLES", "STEP_FACTOR", "TARGET",
            "balanced", "exposed", "sample_positions"]
 
 OFF, ONCE, CONTINUOUS = range(3)
@@ -23,7 +23,7 @@ LEVEL_SHIFT = 6         # the sum of those samples, shifted right by this: their
 TARGET = 16 * 105       # mean level of raw samples that is aimed at, 16ths of a grey level
 BAND = TARGET // 14     # a mean that is at most so far from it is not changed
 STEP_FACTOR = 4         # exposure times gain changes by this factor at most, from frame to frame
-GAIN_MIN, GAIN_MAX = 8, 63      # of the sensor, eighths
+GAIN_MIN = 8            # eighths: of less than 1, white would be grey
 
 BALANCE_BAND = 128      # gains that differ by less than one part of this from the best ones stay
 BALANCE_DARK = 8        # frames whose brightest colour has a lower mean are too dark to judge
@@ -37,12 +37,16 @@ class Limits:
     ----------
     exposure, gain : bool
         Whether the rule controls the exposure, and the gain.
-    lines : int
-        Longest exposure, in lines: that of a frame at the present frame rate, at least 1.
+    lines : (int, int)
+        Shortest exposure, in lines, at least 1, and longest one: that of a frame at the present
+        frame rate.
+    gain_max : int
+        The sensor's largest gain, in eighths.
     """
     exposure: bool
     gain: bool
-    lines: int
+    lines: tuple
+    gain_max: int
 
 
 def sample_positions(size):
@@ -86,8 +90,9 @@ def exposed(level, lines, gain, limits):
     if abs(level - TARGET) <= BAND or not (limits.exposure or limits.gain):
         return lines, gain
     total = lines * gain
-    least = (1 if limits.exposure else lines) * (GAIN_MIN if limits.gain else gain)
-    most = (limits.lines if limits.exposure else lines) * (GAIN_MAX if limits.gain else gain)
+    shortest, longest = limits.lines if limits.exposure else (lines, lines)
+    least = shortest * (GAIN_MIN if limits.gain else gain)
+    most = longest * (limits.gain_max if limits.gain else gain)
     level = max(level, 1)
     ideal = min(max((total * TARGET + level // 2) // level, least), most)
     found = _split(ideal, lines, gain, limits)
@@ -100,9 +105,9 @@ def _split(total, lines, gain, limits):
     """Lines and gain whose product is nearly ``total``."""
     if limits.exposure:
         wanted = total // GAIN_MIN if limits.gain else (total + gain // 2) // gain
-        lines = min(max(wanted, 1), limits.lines)
+        lines = min(max(wanted, limits.lines[0]), limits.lines[1])
     if limits.gain:
-        gain = min(max((total + lines // 2) // lines, GAIN_MIN), GAIN_MAX)
+        gain = min(max((total + lines // 2) // lines, GAIN_MIN), limits.gain_max)
     return lines, gain
 
 

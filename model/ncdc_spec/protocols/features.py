@@ -1,27 +1,28 @@
 """The features of a device, declared once: GenICam XML, emulated device, clients and documentation
 read this table, and so do registers of either protocol.
 
-A feature is a number in a 32-bit register of the GVCP address space; those with a ``table`` are at
-the same time 16-bit words of the paper's Table I, so that both protocols show one state.
+A feature is a number in a 32-bit register of the GVCP address space; those with ``parts`` are at
+the same time in 16-bit words of the paper's Table I, so that both protocols show one state. Some of
+these words are registers of the sensor: :func:`features_of` has the features of each sensor.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from ncdc_spec.pixel_formats import PIXEL_FORMATS
 from ncdc_spec.protocols import auto_control, gvsp
 from ncdc_spec.protocols.gvcp import BOOTSTRAP, FEATURE_BASE
 from ncdc_spec.protocols.table_one import SYSTEM_WORDS
-from ncdc_spec.sensors import mt9p031 as sensor
+from ncdc_spec.sensors.controls import Gain, Part, number_in
 from ncdc_spec.sensors.grid import MAX_REDUCTION
+from ncdc_spec.sensors.mt9p031 import SENSOR
 from ncdc_spec.view_matrix import LIMITS
 from ncdc_spec.white_balance import LARGEST_GAIN, UNITY
 
-__all__ = ["AUTO_FEATURES", "FEATURES", "Choice", "Feature", "TEST_PATTERNS",
-           "VIEW_FEATURES", "feature", "register_number", "system_word"]
+__all__ = ["AUTO_FEATURES", "FEATURES", "Choice", "Feature", "VIEW_FEATURES", "feature",
+           "features_of", "register_number", "system_word"]
 
 _SYSTEM = {word.name: word.address for word in SYSTEM_WORDS}
 _BOOTSTRAP = {register.name: register.address for register in BOOTSTRAP}
-_LINES_MAX = (1 << 20) - 1      # of the sensor's shutter
 
 
 def system_word(name):
@@ -74,10 +75,15 @@ class Feature:
         Name of the feature whose instances this one selects, empty if it selects nothing.
     needs_colour : bool
         Whether only devices whose corrector has gains of the colours show it.
-    table : tuple of int
-        Table I addresses that hold it, the upper word first; empty if none does.
+    parts : tuple of Part
+        Where it is in words of Table I, the upper bits first; empty if it is in none.
+    gain : Gain or None
+        How eighths of gain are the number in ``parts``.
     field : (int, int)
-        Lowest bit and width of its field in the word, for a feature that shares it; else empty.
+        Lowest bit and width of its field in a register that it shares; else empty.
+    lacking : bool
+        Whether the device's sensor has no such thing: the XML does not list it, and it cannot be
+        written.
     length : int
         Bytes of a text.
     """
@@ -99,23 +105,31 @@ class Feature:
     locked_by: str = ""
     selects: str = ""
     needs_colour: bool = False
-    table: tuple = ()
+    parts: tuple = ()
+    gain: Gain = None
     field: tuple = ()
+    lacking: bool = False
     length: int = 4
 
-    def word_of(self, register):
-        """Value of the Table I words, as one number, for the value of the GVCP register."""
-        for choice in self.choices:
-            if choice.value == register:
-                return choice.word
-        return register
+    @property
+    def table(self):
+        """Addresses of its words in Table I."""
+        return tuple(part.address for part in self.parts)
 
-    def register_of(self, word):
-        """Value of the GVCP register for that of the Table I words."""
-        for choice in self.choices:
-            if choice.word == word:
-                return choice.value
-        return word
+    def register(self, read):
+        """The GVCP register; ``read(address)`` gives a word of Table I."""
+        number = number_in(self.parts, read)
+        if self.gain:
+            return self.gain.eighths(number)
+        return next((one.value for one in self.choices if one.word == number), number)
+
+    def writes(self, register):
+        """The writes that set the GVCP register to ``register``, as a list of (:class:`Part`,
+        number): the part takes its bits of the number."""
+        number = next((one.word for one in self.choices if one.value == register), register)
+        if self.gain:
+            number = self.gain.word(register)
+        return [(part, number) for part in self.parts]
 
 
 def _own(index):
@@ -125,13 +139,6 @@ def _own(index):
 def _formats():
     return tuple(Choice(f.name, f.pfnc, f.mraw) for f in PIXEL_FORMATS)
 
-
-def _pattern(name):
-    word = sensor.pattern_word(name)
-    return Choice(name, word, word)
-
-
-TEST_PATTERNS = (Choice("Off", 0, 0), *map(_pattern, sensor.USER_PATTERNS))
 
 _MODES = (Choice("Continuous", 0, 0), Choice("SingleFrame", 1, 1))
 _AUTO = tuple(Choice(name, value, value) for value, name in enumerate(auto_control.MODES))
@@ -144,41 +151,45 @@ def _text(name):
                    length=register.length)
 
 
+def _word(name):
+    """Parts of a number that is a word of the system's page."""
+    return (Part(_SYSTEM[name]),)
+
+
 def _upper_lower(name):
-    return _SYSTEM[f"{name}_UPPER"], _SYSTEM[f"{name}_LOWER"]
+    return Part(_SYSTEM[f"{name}_UPPER"], low=16), Part(_SYSTEM[f"{name}_LOWER"])
 
 
 _STEP = 2       # of offsets and sizes: the colour filter's pattern stays as it is
 
-FEATURES = (
+_ALL = (
     _text("DeviceVendorName"), _text("DeviceModelName"), _text("DeviceVersion"),
     _text("DeviceSerialNumber"), _text("DeviceUserID"),
     Feature("WidthMax", "integer", _own(0), "Width of the whole picture.", "ImageFormatControl",
-            access="ro", unit="pixel", table=(_SYSTEM["WIDTH_MAX"],)),
+            access="ro", unit="pixel", parts=_word("WIDTH_MAX")),
     Feature("HeightMax", "integer", _own(1), "Height of the whole picture.", "ImageFormatControl",
-            access="ro", unit="pixel", table=(_SYSTEM["HEIGHT_MAX"],)),
+            access="ro", unit="pixel", parts=_word("HEIGHT_MAX")),
     Feature("Width", "integer", _own(2), "Width of the picture, a window of the whole one.",
             "ImageFormatControl", low=8, high_from=("WidthMax", "OffsetX"), step=_STEP,
-            unit="pixel", locked=True, table=(_SYSTEM["WIDTH"],)),
+            unit="pixel", locked=True, parts=_word("WIDTH")),
     Feature("Height", "integer", _own(3), "Height of the picture.", "ImageFormatControl", low=8,
             high_from=("HeightMax", "OffsetY"), step=_STEP, unit="pixel", locked=True,
-            table=(_SYSTEM["HEIGHT"],)),
+            parts=_word("HEIGHT")),
     Feature("OffsetX", "integer", _own(4), "Column of the whole picture that the picture begins "
             "at.", "ImageFormatControl", high_from=("WidthMax", "Width"), step=_STEP,
-            unit="pixel", locked=True, table=(_SYSTEM["OFFSET_X"],)),
+            unit="pixel", locked=True, parts=_word("OFFSET_X")),
     Feature("OffsetY", "integer", _own(5), "Row of the whole picture that it begins at.",
             "ImageFormatControl", high_from=("HeightMax", "Height"), step=_STEP, unit="pixel",
-            locked=True, table=(_SYSTEM["OFFSET_Y"],)),
+            locked=True, parts=_word("OFFSET_Y")),
     Feature("PixelFormat", "enumeration", _own(6), "Raw frames (Bayer formats: the one of the "
             "sensor's present colour filter) or corrected pictures.", "ImageFormatControl",
-            choices=_formats(), locked=True, table=(_SYSTEM["FORMAT"],)),
+            choices=_formats(), locked=True, parts=_word("FORMAT")),
     Feature("ReverseX", "boolean", _own(7), "The picture mirrored left to right.",
-            "ImageFormatControl", high=1, locked=True, table=(sensor.READ_MODE_2,),
-            field=(sensor.MIRROR_COLUMN, 1)),
+            "ImageFormatControl", high=1, locked=True),
     Feature("ReverseY", "boolean", _own(8), "The picture upside down.", "ImageFormatControl",
-            high=1, locked=True, table=(sensor.READ_MODE_2,), field=(sensor.MIRROR_ROW, 1)),
+            high=1, locked=True),
     Feature("TestPattern", "enumeration", _own(9), "Picture that the sensor makes itself.",
-            "ImageFormatControl", choices=TEST_PATTERNS, table=(sensor.TEST_PATTERN,)),
+            "ImageFormatControl"),
     Feature("AcquisitionMode", "enumeration", _own(10), "Pictures until stopped, or one.",
             "AcquisitionControl", choices=_MODES, locked=True),
     Feature("AcquisitionStart", "command", _own(11), "Begin to stream.", "AcquisitionControl",
@@ -186,33 +197,31 @@ FEATURES = (
     Feature("AcquisitionStop", "command", _own(12), "End the stream.", "AcquisitionControl",
             access="wo", high=1),
     Feature("AcquisitionFrameRate", "float", _own(13), "Frames per second.", "AcquisitionControl",
-            low=1, high=1200, unit="Hz", scale=(1, 10), table=(_SYSTEM["FRAME_RATE"],)),
+            low=1, high=1200, unit="Hz", scale=(1, 10), parts=_word("FRAME_RATE")),
     Feature("LineTime", "integer", _own(14), "Time in which the sensor reads one line: the step "
             "of the exposure.", "AcquisitionControl", access="ro", unit="ns",
-            table=_upper_lower("LINE_TIME")),
+            parts=_upper_lower("LINE_TIME")),
     Feature("ExposureTime", "float", _own(15), "Exposure; the register counts lines.",
-            "AcquisitionControl", low=1, high=_LINES_MAX, unit="us", scale=(1, 1000),
-            scale_from="LineTime", locked_by="ExposureAuto",
-            table=(sensor.SHUTTER_UPPER, sensor.SHUTTER_LOWER)),
-    Feature("Gain", "float", _own(16), "Analog gain, a factor.", "AnalogControl", low=8, high=63,
-            scale=(1, 8), locked_by="GainAuto", table=(sensor.GLOBAL_GAIN,),
-            field=sensor.ANALOG_GAIN),
+            "AcquisitionControl", unit="us", scale=(1, 1000), scale_from="LineTime",
+            locked_by="ExposureAuto"),
+    Feature("Gain", "float", _own(16), "Analog gain, a factor.", "AnalogControl", low=8,
+            scale=(1, 8), locked_by="GainAuto"),
     Feature("CorrectionEnable", "boolean", _own(17), "Corrected pictures (1) or raw frames (0); "
             "changes PixelFormat to BGR8 or to the sensor's, and back to the whole picture.",
-            "NcdcControl", high=1, locked=True, table=(_SYSTEM["SOURCE"],)),
+            "NcdcControl", high=1, locked=True, parts=_word("SOURCE")),
     Feature("LensSelector", "integer", _own(18), "Number of the lens that is corrected; takes "
             "effect with the next frame.", "NcdcControl", high=0xFFFE, high_from=("LensMax",),
-            table=(_SYSTEM["LENS"],)),
+            parts=_word("LENS")),
     Feature("LensMax", "integer", _own(19), "Number of the last lens.", "NcdcControl",
-            access="ro", table=(_SYSTEM["LENS_MAX"],)),
+            access="ro", parts=_word("LENS_MAX")),
     Feature("SensorRegisterAddress", "integer", _own(20), "Table I address that "
             "SensorRegisterValue reads and writes.", "NcdcControl", high=0xFFFF),
     Feature("SensorRegisterValue", "integer", _own(21), "The 16-bit word there.", "NcdcControl",
             high=0xFFFF),
     Feature("FramesDropped", "integer", _own(22), "Frames that were due and not made in time.",
-            "NcdcControl", access="ro", table=_upper_lower("DROPPED")),
+            "NcdcControl", access="ro", parts=_upper_lower("DROPPED")),
     Feature("FramesTorn", "integer", _own(23), "Frames that were overwritten while they were "
-            "read.", "NcdcControl", access="ro", table=_upper_lower("TORN")),
+            "read.", "NcdcControl", access="ro", parts=_upper_lower("TORN")),
     Feature("PayloadSize", "integer", _own(24), "Bytes of a picture.", "TransportLayerControl",
             access="ro", unit="byte"),
     Feature("TLParamsLocked", "integer", _own(25), "1: what the size of a picture depends on is "
@@ -228,20 +237,20 @@ FEATURES = (
             "On; a trigger that comes before it is sent does nothing.", "AcquisitionControl",
             access="wo", high=1),
     Feature("SensorWidth", "integer", _own(30), "Active columns of the sensor.",
-            "ImageFormatControl", access="ro", unit="pixel", table=(_SYSTEM["SENSOR_WIDTH"],)),
+            "ImageFormatControl", access="ro", unit="pixel", parts=_word("SENSOR_WIDTH")),
     Feature("SensorHeight", "integer", _own(31), "Active rows of the sensor.",
-            "ImageFormatControl", access="ro", unit="pixel", table=(_SYSTEM["SENSOR_HEIGHT"],)),
+            "ImageFormatControl", access="ro", unit="pixel", parts=_word("SENSOR_HEIGHT")),
     Feature("DecimationHorizontal", "integer", _own(32), "Active columns for each of a whole "
             "raw frame.",
             "ImageFormatControl", access="ro", low=1, high=MAX_REDUCTION,
-            table=(_SYSTEM["DECIMATION_X"],)),
+            parts=_word("DECIMATION_X")),
     Feature("DecimationVertical", "integer", _own(33), "Active rows for each of a whole raw "
             "frame.", "ImageFormatControl", access="ro", low=1,
-            high=MAX_REDUCTION, table=(_SYSTEM["DECIMATION_Y"],)),
+            high=MAX_REDUCTION, parts=_word("DECIMATION_Y")),
     Feature("FieldLeft", "integer", _own(34), "Active column where whole raw frames begin.",
-            "NcdcControl", access="ro", unit="pixel", table=(_SYSTEM["FIELD_LEFT"],)),
+            "NcdcControl", access="ro", unit="pixel", parts=_word("FIELD_LEFT")),
     Feature("FieldTop", "integer", _own(35), "Active row where whole raw frames begin.",
-            "NcdcControl", access="ro", unit="pixel", table=(_SYSTEM["FIELD_TOP"],)),
+            "NcdcControl", access="ro", unit="pixel", parts=_word("FIELD_TOP")),
     Feature("ExposureAuto", "enumeration", _own(36), "Once and Continuous: while pictures stream, "
             "the device sets ExposureTime by the mean of raw samples, up to the time of a frame. "
             "Once becomes Off when it has settled.",
@@ -267,6 +276,44 @@ FEATURES = (
     Feature("GevSCPD", "integer", _BOOTSTRAP["StreamPacketDelay"], "Delay between two packets.",
             "TransportLayerControl", high=1_000_000, unit="ns"),
 )
+
+
+def _of_sensor(controls, limits):
+    """What the features have that are in the sensor's registers, by their names; None: it lacks
+    them."""
+    mirrors = {name: mirror and {"parts": mirror.parts, "choices": (
+        Choice("Off", 0, mirror.plain), Choice("On", 1, mirror.mirrored))}
+        for name, mirror in (("ReverseX", controls.mirror_columns),
+                             ("ReverseY", controls.mirror_rows))}
+    patterns = (Choice("Off", 0, 0), *(
+        Choice(name, number, number) for name, number in controls.patterns.items()))
+    return mirrors | {
+        "ExposureTime": {"parts": controls.exposure, "low": limits.lines[0],
+                         "high": limits.lines[1]},
+        "Gain": {"parts": controls.gain.parts, "gain": controls.gain, "high": controls.gain.high},
+        "TestPattern": controls.pattern and {"parts": controls.pattern, "choices": patterns}}
+
+
+def features_of(sensor, lines_max=None):
+    """The :class:`Feature` of each register of a device with that :class:`Sensor`.
+
+    Parameters
+    ----------
+    sensor : Sensor
+    lines_max : int, optional
+        The longest exposure, in lines, if it is less than the sensor's.
+    """
+    given = _of_sensor(sensor.controls, sensor.limits)
+    if lines_max is not None:
+        given["ExposureTime"]["high"] = lines_max
+    return tuple(
+        one if one.name not in given else
+        replace(one, **given[one.name]) if given[one.name] else
+        replace(one, access="ro", lacking=True) for one in _ALL)
+
+
+FEATURES = features_of(SENSOR)
+"""Features of a device with an MT9P031."""
 
 
 def _looking(name, index, text, steps, unit="deg"):

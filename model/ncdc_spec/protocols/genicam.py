@@ -13,14 +13,18 @@ _NODES = {"integer": "Integer", "float": "Float", "boolean": "Boolean",
           "enumeration": "Enumeration", "command": "Command"}
 
 
-def genicam_xml(colour=True, view=False):
-    """The XML text, UTF-8 bytes; the same bytes for the same table.
+def genicam_xml(colour=True, features=FEATURES):
+    """The XML text, UTF-8 bytes; the same bytes for the same features.
 
-    ``colour``: the device's corrector has gains of the colours. Without them, the XML lacks the
-    features that need them. ``view``: it has a view, and so the features of one.
+    Parameters
+    ----------
+    colour : bool
+        Whether the device's corrector has gains of the colours. Without them, the XML lacks the
+        features that need them.
+    features : sequence of Feature
+        Of the device's sensor, as of :func:`~ncdc_spec.protocols.features.features_of`.
     """
-    features = [one for one in FEATURES if colour or not one.needs_colour]
-    features += VIEW_FEATURES if view else ()
+    features = [one for one in features if not one.lacking and (colour or not one.needs_colour)]
     root = Element("RegisterDescription", {
         "ModelName": "NCDC", "VendorName": "NCDC", "StandardNameSpace": "None",
         "SchemaMajorVersion": "1", "SchemaMinorVersion": "1", "SchemaSubMinorVersion": "0",
@@ -149,7 +153,7 @@ def _float(root, node, one, register):
 
 def _register(root, one):
     tag, name = "IntReg", f"{one.name}Register"
-    if one.field and not one.table:
+    if one.field:
         tag = "MaskedIntReg"
     node = SubElement(root, tag, Name=name)
     _values(node, Address=f"0x{one.address:X}", Length=4, AccessMode=_ACCESS[one.access],

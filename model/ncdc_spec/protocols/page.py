@@ -4,11 +4,13 @@ from importlib.resources import files
 
 from ncdc_spec.pixel_formats import PIXEL_FORMATS
 from ncdc_spec.protocols import auto_control, gvcp, gvsp, table_one, table_two
-from ncdc_spec.protocols.features import FEATURES, VIEW_FEATURES
+from ncdc_spec.protocols.features import FEATURES, VIEW_FEATURES, features_of
 from ncdc_spec.protocols.gvcp_tables import COMMANDS, STATUSES
-from ncdc_spec.sensors import mt9p031
+from ncdc_spec.sensors.catalogue import SENSORS
 
 __all__ = ["protocols_doc"]
+
+_SENSORS = [one for one in SENSORS if one.controls]
 
 
 def protocols_doc():
@@ -19,7 +21,8 @@ def protocols_doc():
         page=table_one.SYSTEM_PAGE, header=table_two.HEADER_BYTES, port=gvcp.PORT,
         registers=gvcp.REGISTERS_MAX,
         idle=table_one.IDLE_SECONDS,
-        writable=", ".join(f"0x{one.address:02X}" for one in mt9p031.SENSOR.user_registers),
+        sensors=_rows(_sensors()), names=" | ".join(one.name for one in _SENSORS),
+        lines="|---" * (1 + len(_SENSORS)),
         memory=gvcp.MEMORY_BYTES_MAX,
         feature_base=gvcp.FEATURE_BASE, xml_base=gvcp.XML_BASE,
         corrector_base=gvcp.CORRECTOR_BASE, headers=gvsp.HEADERS_BYTES,
@@ -67,16 +70,36 @@ def _feature(one):
     access = f"{one.access}, locked" if one.locked else one.access
     if one.locked_by:
         access += f", locked by `{one.locked_by}`"
-    table = ", ".join(f"0x{address:04X}" for address in one.table)
-    if table and one.field:
-        lowest, width = one.field
-        table += f" bit {lowest}" if width == 1 else f" bits {lowest + width - 1}..{lowest}"
     return (f"`{one.name}`", f"0x{one.address:05X}", one.kind, access, _limits(one), one.unit,
-            table, one.text)
+            _words_of(one, 16), one.text)
+
+
+def _words_of(one, bits):
+    """Words of ``bits`` that hold a feature, with the bits in them if it is not the whole word."""
+    found = []
+    for part in one.parts:
+        text, last = f"0x{part.address:04X}", part.shift + part.width - 1
+        if part.width < bits:
+            text += f" bit {last}" if part.width == 1 else f" bits {last}..{part.shift}"
+        found.append(text)
+    return ", ".join(found)
+
+
+def _sensors():
+    """A row for each feature that is in registers of the sensor, with a cell for each sensor, and
+    one of all registers that users write."""
+    features = [features_of(sensor) for sensor in _SENSORS]
+    rows = [(f"`{same[0].name}`", *(
+        f"{_limits(one) or 'off, on'}: {_words_of(one, sensor.value_bits)}"
+        for sensor, one in zip(_SENSORS, same)))
+        for same in zip(*features) if len(set(same)) > 1]
+    return [*rows, ("registers that any user writes", *(
+        ", ".join(f"0x{one.address:0{sensor.pointer_bits // 4}X}" for one in sensor.user_registers)
+        for sensor in _SENSORS))]
 
 
 def _limits(one):
-    if one.choices:
+    if one.kind == "enumeration":
         return ", ".join(choice.name for choice in one.choices)
     if one.kind not in ("integer", "float") or one.access != "rw":
         return ""

@@ -93,10 +93,12 @@ SYSTEM_WORDS = (
     SystemWord("FRAMES", 0xF014, "ro", "system with Ethernet: frames completed, raw or corrected "
                "as `SOURCE` says, modulo 65536; elsewhere 0"),
     SystemWord("SENSOR_WIDTH", 0xF015, "ro", "active pixels of a row of the sensor; of this and "
-               "the five after it 0 over USB, where the host sets up the sensor"),
+               "the six after it 0 over USB, where the host sets up the sensor"),
     SystemWord("SENSOR_HEIGHT", 0xF016, "ro", "rows of them"),
     SystemWord("DECIMATION_X", 0xF017, "ro", "active columns for each of a whole raw frame"),
     SystemWord("DECIMATION_Y", 0xF018, "ro", "active rows for each of a whole raw frame"),
     SystemWord("FIELD_LEFT", 0xF019, "ro", "active column where the whole raw frame begins"),
     SystemWord("FIELD_TOP", 0xF01A, "ro", "active row where it begins"),
+    SystemWord("SENSOR_ADDRESS", 0xF01B, "ro", "the sensor's I2C address, by which a client knows "
+               "its registers"),
 )

@@ -3,6 +3,7 @@
 from itertools import product
 from typing import NamedTuple
 
+from ncdc_spec.camera_port import CSI2, CameraPort
 from ncdc_spec.errors import InputError
 from ncdc_spec.geometry import MONO
 from ncdc_spec.sensors.catalogue import sensor_named, setup
@@ -10,7 +11,7 @@ from ncdc_spec.sensors.field import Field, Way, field_named, ways_of
 from ncdc_spec.sensors.grid import MAX_REDUCTION, grid_weight, gridded
 from ncdc_spec.sensors.sensor import Settings, Timing, bayer_at
 
-__all__ = ["Crop", "field_values", "grid_offset", "grid_row", "setup_around", "shown"]
+__all__ = ["Crop", "camera_of", "field_values", "grid_offset", "grid_row", "setup_around", "shown"]
 
 _SMOOTH_HZ = 15         # frames per second from which on movement looks continuous
 _DROPPED = 2            # columns and rows that the evened grid loses at its end
@@ -98,6 +99,12 @@ def setup_around(name, geometry, *, field=None, clock_hz=None, **settings):
                     for bins in _bins(sensor, geometry, way)])
 
 
+def camera_of(plan, crop):
+    """The :class:`CameraPort` for a sensor's configuration and what capture makes of its frames; a
+    PHY for CSI-2 is elsewhere."""
+    return CameraPort(CSI2, plan.link.lanes, serial=crop.grid) if plan.link else CameraPort()
+
+
 def grid_row(plan, crop):
     """Samples of a row that the grid stage has to take; None if it is not needed."""
     return plan.timing.width if Crop(*crop).grid else None
@@ -118,13 +125,14 @@ def shown(plan, crop, geometry):
 
 
 def field_values(plan, crop, geometry):
-    """The words of the system's page that say which part of the sensor raw frames show, by name.
-    Where an even grid begins outside of the sensor, they begin with it."""
+    """The words of the system's page that say which sensor it is, and which part of it raw frames
+    show, by name. Where an even grid begins outside of the sensor, they begin with it."""
     left, top, *_ = shown(plan, crop, geometry)
     reduction = plan.settings.skip << crop.binning
     return {"SENSOR_WIDTH": plan.sensor.columns, "SENSOR_HEIGHT": plan.sensor.rows,
             "DECIMATION_X": reduction, "DECIMATION_Y": reduction,
-            "FIELD_LEFT": max(0, left), "FIELD_TOP": max(0, top)}
+            "FIELD_LEFT": max(0, left), "FIELD_TOP": max(0, top),
+            "SENSOR_ADDRESS": plan.sensor.i2c_address}
 
 
 def grid_offset(plan, crop):

@@ -13,27 +13,17 @@ between those of L; bars of the test pattern when mirrored.
 from fractions import Fraction
 
 from ncdc_spec.errors import InputError
+from ncdc_spec.sensors.checks import exposure_lines, factor_of, frame_lines, pattern_mode, resolved
+from ncdc_spec.sensors.controls import Controls, Gain, Mirror, Part
 from ncdc_spec.sensors.csi2 import DataType
-from ncdc_spec.sensors.sensor import (
-    Limits,
-    Link,
-    Sensor,
-    Setup,
-    Timing,
-    UserRegister,
-    Write,
-    exposure_lines,
-    factor_of,
-    frame_lines,
-    pattern_mode,
-    resolved,
-    wide,
-)
+from ncdc_spec.sensors.sensor import Limits, Link, Sensor, Setup, Timing, UserRegister, Write, wide
 from ncdc_spec.sensors.waking import Waking
 
-__all__ = ["SENSOR", "TEST_COLOURS", "setup"]
+__all__ = ["SENSOR", "TEST_COLOURS", "line_of", "setup", "window"]
 
 _MODE_SELECT = 0x0100                   # 1: streaming
+_ANALOG_GAIN, _EXPOSURE = 0x0157, 0x015A
+_MIRRORS = 0x0172                       # bit 0 columns, bit 1 rows
 _PATTERN = 0x0600
 _USUAL_LANE_HZ = 912_000_000            # 2 * IMX219_DEFAULT_LINK_FREQ
 _PREDIVIDER = 3                         # of both PLLs, PREPLLCK_VT_DIV and PREPLLCK_OP_DIV
@@ -78,11 +68,18 @@ SENSOR = Sensor(
     test_patterns=_TEST_PATTERNS,
     # Gains, exposure, pattern.
     user_registers=(
-        UserRegister(0x0157, mask=0xFF, ranges=((0, _MAX_ANALOG),)),
+        UserRegister(_ANALOG_GAIN, mask=0xFF, ranges=((0, _MAX_ANALOG),)),
         UserRegister(0x0158, mask=0xFF, ranges=((_DIGITAL[0] >> 8, _DIGITAL[1] >> 8),)),
-        *map(UserRegister, (0x0159, 0x015A, 0x015B)),
+        *map(UserRegister, (0x0159, _EXPOSURE, _EXPOSURE + 1)),
         UserRegister(_PATTERN, mask=0xFF, ranges=((0, 0),)),
         UserRegister(_PATTERN + 1, mask=0xFF, ranges=((0, max(_TEST_PATTERNS.values())),))),
+    controls=Controls(
+        exposure=(Part(_EXPOSURE, width=8, low=8), Part(_EXPOSURE + 1, width=8)),
+        margin=_EXPOSURE_MARGIN, stretches=False,
+        gain=Gain((Part(_ANALOG_GAIN, width=8),), 0, 256, -1, 256, _MAX_ANALOG),
+        mirror_columns=Mirror((Part(_MIRRORS, 0, 1),)), mirror_rows=Mirror((Part(_MIRRORS, 1, 1),)),
+        pattern=(Part(_PATTERN, width=8, low=8), Part(_PATTERN + 1, width=8)),
+        patterns=_TEST_PATTERNS),
     waking=Waking(reset_us=1000, rest_us=6200, rest_clocks=0,
                   source="L, IMX219_XCLR_MIN_DELAY_US; the reset is taken for that of the OV5640"),
     lanes=2)
@@ -91,25 +88,34 @@ SENSOR = Sensor(
 def setup(settings):
     """The :class:`Setup` for ``settings``; raises :class:`InputError` at a limit."""
     asked = resolved(SENSOR, settings)
-    link, clocks = _clocks(asked)
-    # A row that takes longer makes the lines longer. Capture evens reduced ones sample by sample.
-    row = link.row_seconds(asked.width, serial=asked.skip > 1)
-    line = max(_MIN_LINE, 2 * round(asked.pixel_clock_hz * row / 2))
+    line = line_of(asked)
     lines = exposure_lines(SENSOR, asked, line, 0)
     total = frame_lines(SENSOR, asked, line, lines + _EXPOSURE_MARGIN)
     analog, digital, gain_256 = _gain(factor_of(SENSOR, asked))
     writes = (
         Write(_MODE_SELECT, 0, "standby"),
         *(Write(*pair, "access to 0x3000 to 0x5FFF") for pair in _UNLOCK),
-        *clocks, *(Write(*pair, "undocumented") for pair in _UNDOCUMENTED),
-        *_window(asked), *_pattern(asked),
-        Write(0x0157, analog, f"analog gain, 256 / {256 - analog}"),
-        *wide(0x0158, digital, "digital gain, 256ths"), *wide(0x015A, lines, "exposure in lines"),
+        *_clocks(asked), *(Write(*pair, "undocumented") for pair in _UNDOCUMENTED),
+        *window(asked), *_picture(asked),
+        Write(_ANALOG_GAIN, analog, f"analog gain, 256 / {256 - analog}"),
+        *wide(0x0158, digital, "digital gain, 256ths"),
+        *wide(_EXPOSURE, lines, "exposure in lines"),
         *wide(0x0160, total, "lines of a frame"), *wide(0x0162, line, "pixels of a line"),
         Write(_MODE_SELECT, 1, "start"))
     return Setup(SENSOR, asked, writes,
                  Timing(asked.width, asked.height, line, total, asked.pixel_clock_hz),
-                 lines * line, gain_256, link)
+                 lines * line, gain_256, _link(asked))
+
+
+def line_of(asked):
+    """Pixel clocks of a line for :class:`Settings`."""
+    # A row that takes longer makes the lines longer. Capture evens reduced ones sample by sample.
+    row = _link(asked).row_seconds(asked.width, serial=asked.skip > 1)
+    return max(_MIN_LINE, 2 * round(asked.pixel_clock_hz * row / 2))
+
+
+def _link(asked):
+    return Link(SENSOR.lanes, asked.lane_hz or _USUAL_LANE_HZ, DataType.RAW10, _EMBEDDED_ROWS)
 
 
 def _gain(factor):
@@ -122,8 +128,8 @@ def _gain(factor):
     return analog, digital, (256 * digital + (256 - analog) // 2) // (256 - analog)
 
 
-def _window(asked):
-    """Window, binning, mirrors, format."""
+def window(asked):
+    """Writes of the window, binning and format that :class:`Settings` ask for."""
     right, bottom = (begin + asked.skip * size - 1 for begin, size in (
         (asked.left, asked.width), (asked.top, asked.height)))
     bins = int(asked.bins > 1)
@@ -133,31 +139,29 @@ def _window(asked):
         (0x016C, asked.width, "columns sent"), (0x016E, asked.height, "rows sent"),
         (0x018C, _BITS << 8 | _BITS, "RAW10")) for write in wide(register, value, meaning)] + [
         Write(0x0170, 1, "every column"), Write(0x0171, 1, "every row"),
-        Write(0x0174, bins, "columns binned by 2: 1"), Write(0x0175, bins, "rows binned by 2: 1"),
-        Write(0x0172, asked.mirror_columns | asked.mirror_rows << 1,
-              "mirrored: bit 0 columns, bit 1 rows")]
+        Write(0x0174, bins, "columns binned by 2: 1"), Write(0x0175, bins, "rows binned by 2: 1")]
 
 
-def _pattern(asked):
-    """Test pattern, in a window of the frame's size."""
-    mode = pattern_mode(SENSOR, asked)
-    writes = [(_PATTERN, mode or 0, "test pattern")]
-    if mode is not None:
-        writes += [(0x0624, asked.width, "test pattern's columns"),
-                   (0x0626, asked.height, "test pattern's rows"),
-                   *((*pair, f"test pattern's {colour}") for colour, pair in TEST_COLOURS.items())]
-    return [part for write in writes for part in wide(*write)]
+def _picture(asked):
+    """Mirrors, and the test pattern in a window of the frame's size: users may choose one later."""
+    mirrors = asked.mirror_columns | asked.mirror_rows << 1
+    return [Write(_MIRRORS, mirrors, "mirrored: bit 0 columns, bit 1 rows")] + [
+        part for write in (
+            (_PATTERN, pattern_mode(SENSOR, asked) or 0, "test pattern"),
+            (0x0624, asked.width, "test pattern's columns"),
+            (0x0626, asked.height, "test pattern's rows"),
+            *((*pair, f"test pattern's {colour}") for colour, pair in TEST_COLOURS.items()))
+        for part in wide(*write)]
 
 
 def _clocks(asked):
-    """The :class:`Link`, and the writes that make pixel clock and lane rate of the external
-    clock: external / 3 * multiplier is the lane rate, or five halves of the pixel clock."""
-    lane_hz = asked.lane_hz or _USUAL_LANE_HZ
+    """Writes that make pixel clock and lane rate of the external clock: external / 3 * multiplier
+    is the lane rate, or five halves of the pixel clock."""
     pixel = _multiplier("the pixel clock is", Fraction(_PIXEL_DIVIDER, 2) * asked.pixel_clock_hz,
                         asked, _PIXEL_MULTIPLIERS, Fraction(2, _PIXEL_DIVIDER))
-    lane = _multiplier("the lanes have", lane_hz, asked, _LANE_MULTIPLIERS, 1)
+    lane = _multiplier("the lanes have", _link(asked).lane_hz, asked, _LANE_MULTIPLIERS, 1)
     megahertz = round(256 * Fraction(asked.clock_hz, 10**6))
-    return Link(SENSOR.lanes, lane_hz, DataType.RAW10, _EMBEDDED_ROWS), [
+    return [
         Write(0x0114, SENSOR.lanes - 1, "lanes less one"), Write(0x0128, 0, "D-PHY timing: auto"),
         *wide(0x012A, megahertz, "external clock in 256ths of a MHz"),
         Write(0x0301, _PIXEL_DIVIDER, "pixel clock: two pixels of PLL / 5"),

@@ -8,19 +8,8 @@ mgm8/mt9d111-driver, which repeats its register list (mt9d111_reg.h) and values 
 """
 
 from ncdc_spec.errors import InputError
-from ncdc_spec.sensors.sensor import (
-    Limits,
-    Sensor,
-    Setup,
-    Timing,
-    UserRegister,
-    Write,
-    exposure_lines,
-    factor_of,
-    frame_lines,
-    pattern_mode,
-    resolved,
-)
+from ncdc_spec.sensors.checks import exposure_lines, factor_of, frame_lines, pattern_mode, resolved
+from ncdc_spec.sensors.sensor import Limits, Sensor, Setup, Timing, UserRegister, Write
 from ncdc_spec.sensors.waking import Waking
 
 __all__ = ["SENSOR", "setup"]

@@ -11,26 +11,15 @@ binned must begin at a multiple of the group.
 from fractions import Fraction
 
 from ncdc_spec.errors import InputError
-from ncdc_spec.sensors.sensor import (
-    Limits,
-    Sensor,
-    Setup,
-    Timing,
-    UserRegister,
-    Write,
-    exposure_lines,
-    factor_of,
-    frame_lines,
-    pattern_mode,
-    resolved,
-)
+from ncdc_spec.sensors.checks import exposure_lines, factor_of, frame_lines, pattern_mode, resolved
+from ncdc_spec.sensors.controls import Controls, Gain, Mirror, Part
+from ncdc_spec.sensors.sensor import Limits, Sensor, Setup, Timing, UserRegister, Write
 from ncdc_spec.sensors.waking import Waking
 
-__all__ = ["ANALOG_GAIN", "CHIP_VERSION", "CHIP_VERSION_VALUE", "COLOUR_GAINS", "COLUMN_MODE",
-           "COLUMN_SIZE", "COLUMN_START", "FIRST_COLUMN", "FIRST_ROW", "GLOBAL_GAIN",
-           "MIRROR_COLUMN", "MIRROR_ROW", "READ_MODE_2", "ROW_MODE", "ROW_SIZE", "ROW_START",
-           "SENSOR", "SHUTTER_LOWER", "SHUTTER_UPPER", "TEST_COLOURS", "TEST_PATTERN",
-           "TEST_PATTERN_MODES", "line_clocks", "line_time_ns", "mode_word", "setup"]
+__all__ = ["CHIP_VERSION", "CHIP_VERSION_VALUE", "COLOUR_GAINS", "COLUMN_MODE", "COLUMN_SIZE",
+           "COLUMN_START", "FIRST_COLUMN", "FIRST_ROW", "GLOBAL_GAIN", "READ_MODE_2", "ROW_MODE",
+           "ROW_SIZE", "ROW_START", "SENSOR", "SHUTTER_LOWER", "SHUTTER_UPPER", "TEST_COLOURS",
+           "TEST_PATTERN", "TEST_PATTERN_MODES", "line_clocks", "line_of", "setup", "window"]
 
 # DS, register list and register description.
 CHIP_VERSION = 0x00
@@ -42,11 +31,11 @@ COLUMN_SIZE = 0x04          # columns of the window less one
 SHUTTER_UPPER = 0x08        # exposure in lines, bits 19..16
 SHUTTER_LOWER = 0x09        # and bits 15..0
 READ_MODE_2 = 0x20
-MIRROR_ROW = 15             # bit of READ_MODE_2: the picture upside down
-MIRROR_COLUMN = 14          # bit of READ_MODE_2: the picture left to right
+_MIRROR_ROW = 15            # bit of READ_MODE_2: the picture upside down
+_MIRROR_COLUMN = 14         # bit of READ_MODE_2: the picture left to right
 COLOUR_GAINS = (0x2B, 0x2C, 0x2D, 0x2E)     # green of red rows, blue, red, green of blue rows
 GLOBAL_GAIN = 0x35
-ANALOG_GAIN = (0, 6)        # lowest bit and width of the analog gain in GLOBAL_GAIN, eighths
+_ANALOG_GAIN = (0, 6)       # lowest bit and width of the analog gain in GLOBAL_GAIN, eighths
 TEST_PATTERN = 0xA0         # bit 0 on, bits 6..3 which
 
 _HORIZONTAL_BLANK = 0x05    # pairs of columns less one
@@ -71,18 +60,18 @@ TEST_PATTERN_MODES = {"ColorField": 0, "GreyHorizontalRamp": 1, "GreyVerticalRam
                       "VerticalBars": 7, "ColorBar": 8}
 """Bits 6..3 of TEST_PATTERN; DS, test patterns. Mode 4, the classic pattern, is not offered."""
 
-USER_PATTERNS = ("GreyHorizontalRamp", "GreyVerticalRamp", "GreyDiagonalRamp", "HorizontalBars",
-                 "VerticalBars", "ColorBar")
-"""Test patterns that users of a network choose from."""
-
 
 def pattern_word(name):
     """TEST_PATTERN for the test pattern of that name."""
     return TEST_PATTERN_MODES[name] << 3 | 1
 
 
+# Those that users of a network choose from.
+_USER_PATTERNS = {name: pattern_word(name) for name in (
+    "GreyHorizontalRamp", "GreyVerticalRamp", "GreyDiagonalRamp", "HorizontalBars", "VerticalBars",
+    "ColorBar")}
+
 FIRST_ROW, FIRST_COLUMN = 54, 16    # of the active pixels; DS, pixel array structure
-_PIXEL_CLOCK_MHZ = 96               # DS, key performance parameters
 _ROW_OVERHEAD = 346                 # pairs of columns, for each row read; DS, frame time
 _DARK_COLUMNS = {1: 80, 2: 40, 4: 20}       # read before a row, by bins; DS, table 7
 _PLL_CLOCKS = (6_000_000, 27_000_000)           # external clock; this one and what follows: L
@@ -110,9 +99,15 @@ SENSOR = Sensor(
         # Less than 1 would leave what is white grey.
         UserRegister(GLOBAL_GAIN, mask=63, ranges=((8, 63),)),
         UserRegister(TEST_PATTERN, ranges=((0, 0), *(
-            (word, word) for word in map(pattern_word, USER_PATTERNS)))),
+            (word, word) for word in _USER_PATTERNS.values()))),
         *(UserRegister(address) for address, _ in TEST_COLOURS.values()),
         UserRegister(_BAR_WIDTH)),
+    controls=Controls(
+        exposure=(Part(SHUTTER_UPPER, width=4, low=16), Part(SHUTTER_LOWER)), margin=1,
+        stretches=True, gain=Gain((Part(GLOBAL_GAIN, *_ANALOG_GAIN),), 1, 0, 0, 8, 63),
+        mirror_columns=Mirror((Part(READ_MODE_2, _MIRROR_COLUMN, 1),)),
+        mirror_rows=Mirror((Part(READ_MODE_2, _MIRROR_ROW, 1),)),
+        pattern=(Part(TEST_PATTERN),), patterns=_USER_PATTERNS),
     first=(FIRST_COLUMN, FIRST_ROW),
     waking=Waking(reset_us=1000, rest_us=0, rest_clocks=850_000,
                   source="Linux, drivers/media/i2c/mt9p031.c, mt9p031_power_on"))
@@ -133,20 +128,10 @@ def _overhead(bins):
     return 2 * (208 * bins + 98 + 1 - 94)
 
 
-def line_time_ns(columns, bins=1):
-    """Nanoseconds of a line of ``columns`` samples at 96 MHz, rounded to nearest."""
-    return round(1000 * line_clocks(columns, bins) / _PIXEL_CLOCK_MHZ)
-
-
-def mode_word(asked):
-    """Value of ROW_MODE and of COLUMN_MODE for :class:`Settings`."""
-    return asked.bins - 1 << 4 | asked.skip - 1
-
-
 def setup(settings):
     """The :class:`Setup` for ``settings``; raises :class:`InputError` at a limit."""
     asked = resolved(SENSOR, settings)
-    line, overhead = line_clocks(asked.width, asked.bins), _overhead(asked.bins)
+    line, overhead = line_of(asked), _overhead(asked.bins)
     lines = exposure_lines(SENSOR, asked, line, overhead)
     total = frame_lines(SENSOR, asked, line, lines + 1)
     gain, gain_256 = _gain(factor_of(SENSOR, asked))
@@ -155,11 +140,7 @@ def setup(settings):
         Write(_OUTPUT_CONTROL, _STOPPED, "stop"),
         Write(_PIXEL_CLOCK_CONTROL, _INVERT_PIXEL_CLOCK, "pins change as the pixel clock falls"),
         *_clock(asked),
-        Write(COLUMN_START, FIRST_COLUMN + asked.left, "first column"),
-        Write(ROW_START, FIRST_ROW + asked.top, "first row"),
-        Write(COLUMN_SIZE, asked.skip * asked.width - 1, "columns less one"),
-        Write(ROW_SIZE, asked.skip * asked.height - 1, "rows less one"),
-        *_reduction(asked),
+        *window(asked),
         Write(_HORIZONTAL_BLANK, _blanking(asked.bins) - 1, "horizontal blanking: the least"),
         # A longer exposure makes the frame longer by itself.
         Write(_VERTICAL_BLANK, min(total - asked.height, SENSOR.limits.vertical[1]) - 1,
@@ -174,11 +155,24 @@ def setup(settings):
                  lines * line - overhead, gain_256)
 
 
+def line_of(asked):
+    """Pixel clocks of a line for :class:`Settings`."""
+    return line_clocks(asked.width, asked.bins)
+
+
+def window(asked):
+    """Writes of the window, skipping and binning that :class:`Settings` ask for."""
+    return [Write(COLUMN_START, FIRST_COLUMN + asked.left, "first column"),
+            Write(ROW_START, FIRST_ROW + asked.top, "first row"),
+            Write(COLUMN_SIZE, asked.skip * asked.width - 1, "columns less one"),
+            Write(ROW_SIZE, asked.skip * asked.height - 1, "rows less one"), *_reduction(asked)]
+
+
 def _reduction(asked):
     """Skipping and binning; nothing where all pixels are read, as after reset."""
     if asked.skip == 1:
         return []
-    mode = mode_word(asked)
+    mode = asked.bins - 1 << 4 | asked.skip - 1
     meaning = f"of {2 * asked.skip} {{}} two are sent"
     if asked.bins > 1:
         meaning += f", each the mean of {asked.bins}"
@@ -205,7 +199,7 @@ def _gain(factor):
 def _picture(asked):
     """Mirrors and test pattern; with one the correction of black is off, as L says."""
     mode = pattern_mode(SENSOR, asked)
-    word = (asked.mirror_rows << MIRROR_ROW | asked.mirror_columns << MIRROR_COLUMN
+    word = (asked.mirror_rows << _MIRROR_ROW | asked.mirror_columns << _MIRROR_COLUMN
             | (mode is None) << _ROW_BLACK)
     writes = [Write(READ_MODE_2, word, "mirrors; black level of rows")]
     if mode is not None:

@@ -19,20 +19,8 @@ binned frames is to be looked at with the first board.
 from fractions import Fraction
 
 from ncdc_spec.errors import InputError
-from ncdc_spec.sensors.sensor import (
-    Limits,
-    Sensor,
-    Setup,
-    Timing,
-    UserRegister,
-    Write,
-    exposure_lines,
-    factor_of,
-    frame_lines,
-    pattern_mode,
-    resolved,
-    wide,
-)
+from ncdc_spec.sensors.checks import exposure_lines, factor_of, frame_lines, pattern_mode, resolved
+from ncdc_spec.sensors.sensor import Limits, Sensor, Setup, Timing, UserRegister, Write, wide
 from ncdc_spec.sensors.waking import Waking
 
 __all__ = ["SENSOR", "setup"]

@@ -15,27 +15,19 @@ from dataclasses import replace
 from fractions import Fraction
 
 from ncdc_spec.errors import InputError
+from ncdc_spec.sensors.checks import exposure_lines, factor_of, frame_lines, pattern_mode, resolved
+from ncdc_spec.sensors.controls import Controls, Gain, Mirror, Part
 from ncdc_spec.sensors.csi2 import DataType
-from ncdc_spec.sensors.sensor import (
-    Limits,
-    Link,
-    Sensor,
-    Setup,
-    Timing,
-    UserRegister,
-    Write,
-    exposure_lines,
-    factor_of,
-    frame_lines,
-    pattern_mode,
-    resolved,
-    wide,
-)
+from ncdc_spec.sensors.sensor import Limits, Link, Sensor, Setup, Timing, UserRegister, Write, wide
 from ncdc_spec.sensors.waking import Waking
 
-__all__ = ["SENSOR", "setup"]
+__all__ = ["SENSOR", "line_of", "setup", "window"]
 
 _STREAM, _RESET, _LANES_CONTROL = 0x0100, 0x0103, 0x4800
+_EXPOSURE = 0x3500                      # three registers: sixteenths of lines, bits 19..0
+_GAIN = 0x350A                          # two registers: sixteenths, bits 9..0
+_ROWS_MODE, _COLUMNS_MODE = 0x3820, 0x3821
+_PATTERN = 0x503D
 _FIRST_COLUMN, _FIRST_ROW = 16, 6       # of the active pixels, in what is read
 _MARGINS = {1: (16, 6), 2: (8, 2)}      # samples sent too few at each side, by skip
 _LONG_LINE, _LINE, _BINNED_LINE = 2844, 2416, 1896      # 2592, 1920 columns, 1296 binned ones
@@ -46,8 +38,8 @@ _PREDIVIDER = 3                         # after reset; the oscillator is then at
 _LANE_DIVIDER = 2                       # 0x3035, bits 7..4
 _LANE_CLOCKS = 5                        # bits of a lane per sample: ten on two lanes
 _MULTIPLIERS = range(70, 106)           # 0x3036 is 70 in VGA mode, 105 in the others
-_MIRROR, _BIN = 0b10, 0b01              # bits of 0x3820 and 0x3821
-_BIN_ROWS = 0x41                        # of 0x3820, in binned modes
+_MIRROR, _BIN = 0b10, 0b01              # bits of both modes
+_BIN_ROWS = 0x41                        # of _ROWS_MODE, in binned modes
 _INCREMENTS = {1: 0x11, 2: 0x31}        # of even pixels, upper four bits, and of odd ones; by skip
 
 _ANALOG = ((0x303C, 0x11), (0x3106, 0xF5), (0x3827, 0xEC), (0x370C, 0x03), (0x5002, 0x41),
@@ -60,6 +52,8 @@ _ANALOG = ((0x303C, 0x11), (0x3106, 0xF5), (0x3827, 0xEC), (0x370C, 0x03), (0x50
 # Modes of all pixels, and of 1296x972; by skip.
 _ANALOG_OF = {1: ((0x3612, 0x5B), (0x3618, 0x04), (0x3708, 0x64), (0x3709, 0x12), (0x4837, 0x19)),
               2: ((0x3612, 0x59), (0x3618, 0x00), (0x4837, 0x16))}
+
+_TEST_PATTERNS = {"ColorBar": 0x80}
 
 SENSOR = Sensor(
     name="ov5647", title="OmniVision OV5647, Raspberry Pi camera module 1", i2c_address=0x36,
@@ -74,9 +68,19 @@ SENSOR = Sensor(
                   vertical=(24, _MAX_LINES),                    # OV5647_VBLANK_MIN
                   gain_256=(256, 1023 * 16), pixel_clock_hz=87_500_000, frame_lines=_MAX_LINES,
                   reductions=((2, 2),)),
-    test_patterns={"ColorBar": 0x80},
+    test_patterns=_TEST_PATTERNS,
     # Exposure, gain, pattern.
-    user_registers=tuple(map(UserRegister, (0x3500, 0x3501, 0x3502, 0x350A, 0x350B, 0x503D))),
+    user_registers=tuple(map(UserRegister, (
+        _EXPOSURE, _EXPOSURE + 1, _EXPOSURE + 2, _GAIN, _GAIN + 1, _PATTERN))),
+    controls=Controls(
+        exposure=(Part(_EXPOSURE, width=4, low=12), Part(_EXPOSURE + 1, width=8, low=4),
+                  Part(_EXPOSURE + 2, shift=4, width=4)),
+        margin=_EXPOSURE_MARGIN, stretches=False,
+        gain=Gain((Part(_GAIN, width=2, low=8), Part(_GAIN + 1, width=8)), 1, 0, 0, 16, 1023),
+        # The sensor mirrors by itself: with the bit set, the picture is not mirrored.
+        mirror_columns=Mirror((Part(_COLUMNS_MODE, 1, 1),), plain=1, mirrored=0),
+        mirror_rows=Mirror((Part(_ROWS_MODE, 1, 1),)),
+        pattern=(Part(_PATTERN, width=8),), patterns=_TEST_PATTERNS),
     waking=Waking(reset_us=1000, rest_us=20_000, rest_clocks=0,
                   source="L, PWDN_ACTIVE_DELAY_MS; the reset is taken for that of the OV5640"),
     lanes=2)
@@ -88,8 +92,7 @@ def setup(settings):
         settings = replace(settings, pixel_clock_hz=settings.lane_hz // _LANE_CLOCKS)
     asked = resolved(SENSOR, settings)
     clocks = _clocks(asked)
-    link = Link(SENSOR.lanes, _LANE_CLOCKS * asked.pixel_clock_hz, DataType.RAW10)
-    line = _line(asked, link)
+    line = line_of(asked)
     lines = exposure_lines(SENSOR, asked, line, 0)
     total = frame_lines(SENSOR, asked, line, lines + _EXPOSURE_MARGIN)
     gain = round(16 * factor_of(SENSOR, asked))
@@ -100,37 +103,43 @@ def setup(settings):
         *(Write(*pair, "analog") for pair in (*_ANALOG, *_ANALOG_OF[asked.skip])),
         Write(0x3000, 0x00, "pins are inputs"), Write(0x3001, 0x00, "pins are inputs"),
         Write(0x3002, 0x00, "pins are inputs"),
-        *_window(asked, line, total),
-        # The sensor mirrors by itself: with the bit set, the picture is not mirrored.
-        Write(0x3821, binned * _BIN | (0 if asked.mirror_columns else _MIRROR),
+        *window(asked),
+        *wide(0x380C, line, "clocks of a line"), *wide(0x380E, total, "lines of a frame"),
+        Write(_COLUMNS_MODE, binned * _BIN | (0 if asked.mirror_columns else _MIRROR),
               "columns mirrored: bit 1 clear; bit 0: binned"),
-        Write(0x3820, binned * _BIN_ROWS | asked.mirror_rows * _MIRROR,
+        Write(_ROWS_MODE, binned * _BIN_ROWS | asked.mirror_rows * _MIRROR,
               "rows mirrored: bit 1 set; bits 6, 0: binned"),
         Write(0x3503, 0b11, "exposure and gain by hand"),
-        Write(0x3500, lines >> 12, "exposure, sixteenths of lines"),
-        Write(0x3501, lines >> 4 & 0xFF, "exposure"), Write(0x3502, lines << 4 & 0xFF, "exposure"),
-        *wide(0x350A, gain, "gain, sixteenths"),
+        Write(_EXPOSURE, lines >> 12, "exposure, sixteenths of lines"),
+        Write(_EXPOSURE + 1, lines >> 4 & 0xFF, "exposure"),
+        Write(_EXPOSURE + 2, lines << 4 & 0xFF, "exposure"),
+        *wide(_GAIN, gain, "gain, sixteenths"),
         Write(0x5000, 0x06, "no lens correction; defects are corrected"),
         Write(0x5001, 0x00, "no white balance"),
-        Write(0x503D, pattern_mode(SENSOR, asked) or 0, "test pattern"),
+        Write(_PATTERN, pattern_mode(SENSOR, asked) or 0, "test pattern"),
         Write(0x4202, 0x00, "all frames are sent"), Write(0x300D, 0x00, "lanes are driven"),
         Write(_LANES_CONTROL, 0x04, "the clock of the lanes always runs"),
         Write(_STREAM, 1, "start"))
     return Setup(SENSOR, asked, writes,
                  Timing(asked.width, asked.height, line, total, asked.pixel_clock_hz),
-                 lines * line, 16 * gain, link)
+                 lines * line, 16 * gain, _link(asked))
 
 
-def _line(asked, link):
-    """Pixel clocks of a line. Capture evens reduced rows sample by sample: they may take longer."""
+def _link(asked):
+    return Link(SENSOR.lanes, _LANE_CLOCKS * asked.pixel_clock_hz, DataType.RAW10)
+
+
+def line_of(asked):
+    """Pixel clocks of a line for :class:`Settings`."""
     if asked.skip > 1:
-        row = link.row_seconds(asked.width, serial=True)
+        # Capture evens reduced rows sample by sample: they may take longer.
+        row = _link(asked).row_seconds(asked.width, serial=True)
         return max(_BINNED_LINE, 2 * round(asked.pixel_clock_hz * row / 2))
     return _LINE if asked.width <= _LINE_COLUMNS else _LONG_LINE
 
 
-def _window(asked, line, total):
-    """Window, line and frame."""
+def window(asked):
+    """Writes of the window and of skipping that :class:`Settings` ask for."""
     skip, ranges = asked.skip, []
     for begin, size, first, margin in zip(
             (asked.left, asked.top), (asked.width, asked.height), (_FIRST_COLUMN, _FIRST_ROW),
@@ -143,7 +152,6 @@ def _window(asked, line, total):
         (0x3800, left, "first column"), (0x3802, top, "first row"),
         (0x3804, right, "last column"), (0x3806, bottom, "last row"),
         (0x3808, asked.width, "columns sent"), (0x380A, asked.height, "rows sent"),
-        (0x380C, line, "clocks of a line"), (0x380E, total, "lines of a frame"),
         (0x3810, _MARGINS[skip][0], "margin, samples"),
         (0x3812, _MARGINS[skip][1], "margin, samples"))
         for write in wide(register, value, meaning)] + [

@@ -51,7 +51,7 @@ class CameraRun:
     ----------
     frames : list of CameraFrame
     counters : dict
-        Registers of the camera and the stores that count, by name.
+        Registers of the camera and the stores that count, by name; with those of a CSI-2 receiver.
     bench : dict
         Counters of the bench.
     i2c_errors : list of str
@@ -117,7 +117,8 @@ def simulate_camera(system, setup, light, *, count, follow=False, disturb=None,
                     disturb(host)
             elif not disturb and not run.get("fault"):
                 raise SimulationError(f"a frame ended badly: {', '.join(sorted(events))}")
-        result.counters = {name: host.get(name) for name in _COUNTERS}
+        faults = system.camera.fault_registers.values()
+        result.counters = {name: host.get(name) for name in (*_COUNTERS, *faults)}
         result.i2c_errors = host.camera.i2c_errors
         result.clocks, result.bench = live.now, live.end()
     return result

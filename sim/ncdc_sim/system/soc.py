@@ -17,14 +17,14 @@ from ncdc_soc.firmware import Identity, config, firmware_image
 from ncdc_soc.soc import soc_verilog
 from ncdc_spec.hardware import Hardware
 from ncdc_spec.raw_gains import NO_RAW_GAINS, frame_gains
-from ncdc_spec.sensors.framing import grid_row, setup_around
+from ncdc_spec.sensors.catalogue import controlled_sensor
+from ncdc_spec.sensors.framing import camera_of, grid_row, setup_around
 from ncdc_spec.sensors.level import levelled
 
 __all__ = ["ADDRESS", "HARDWARE", "SocModel", "SocRun"]
 
 ADDRESS = Identity().ip
 HARDWARE = Hardware(bus="axi", format="BGR8")
-_SENSOR = "mt9p031"
 # The sensor's times are so many times shorter, and its bus faster.
 _TIME_SCALE = 1000
 _QUEUE_BYTES = 18 * 1024        # of the packetiser: two packets of an MTU of 9000
@@ -47,6 +47,8 @@ class SocModel:
         Identity of the device on its network.
     field : str, optional
         As of :func:`~ncdc_spec.sensors.framing.setup_around`.
+    sensor : str
+        Its name.
 
     Attributes
     ----------
@@ -58,12 +60,13 @@ class SocModel:
     """
 
     def __init__(self, descriptor, raw, exposure_us=100.0, hardware=HARDWARE, identity=Identity(),
-                 field=None):
+                 field=None, sensor="mt9p031"):
         self.descriptor, self.identity = descriptor, identity
-        self._field = field
+        self._field, self._sensor = field, controlled_sensor(sensor).name
         self.setup, self._crop = self._set_up(exposure_us)
-        core = SocCore(descriptor, hardware,
-                       capacity=_QUEUE_BYTES, grid=grid_row(self.setup, self._crop))
+        core = SocCore(descriptor, hardware, capacity=_QUEUE_BYTES,
+                       grid=grid_row(self.setup, self._crop),
+                       camera=camera_of(self.setup, self._crop))
         soc = soc_verilog(core)
         self._light = replace(still_raw(self.setup, self._crop, raw),
                               nominal=self.setup.exposure_clocks)
@@ -71,7 +74,7 @@ class SocModel:
             self._rom, self.code_bytes, self.ram_bytes = firmware_image(
                 config(core.system, core.packetiser.capacity, soc, self.setup, self._crop,
                        self.identity, sets_up=_TIME_SCALE), soc, folder)
-        self.program = _build(core_verilog(core), soc)
+        self.program = _build(core_verilog(core), soc, self.setup)
 
     def fill(self, folder):
         """Write what the program reads when it starts."""
@@ -95,7 +98,7 @@ class SocModel:
         return self.raw(self._set_up(exposure_us)[0])
 
     def _set_up(self, exposure_us):
-        return setup_around(_SENSOR, self.descriptor.geometry, field=self._field,
+        return setup_around(self._sensor, self.descriptor.geometry, field=self._field,
                             exposure_us=exposure_us)
 
     def raw(self, setup, gains=NO_RAW_GAINS):
@@ -105,13 +108,15 @@ class SocModel:
         return levelled(frame, setup.sensor.black, gains=frame_gains(geometry, gains))
 
 
-def _build(core_text, soc):
+def _build(core_text, soc, setup):
     """The program. It reads the firmware when it starts: new firmware needs no new program."""
     sources = [("soc_bench.v", (HDL / "soc_bench.v").read_text()), *sensor_sources(),
                ("ncdc_core.v", core_text), ("ncdc_soc.v", soc.text),
                ("VexRiscv.v", Path(soc.core).read_text())]
     # LiteX's Verilog and the processor's are others': their warnings are not ours to mend.
-    return build("soc", "soc_bench", sources, defines={"NCDC_SENSOR": f'"{_SENSOR}"'},
+    lanes = {"NCDC_CSI2": setup.link.lanes} if setup.link else {}
+    return build("soc", "soc_bench", sources,
+                 defines={"NCDC_SENSOR": f'"{setup.sensor.name}"', **lanes},
                  main=HDL / "soc_main.cpp",
                  options=("-Wno-fatal", "-CFLAGS", "-fno-tree-slp-vectorize"))
 

@@ -43,7 +43,7 @@ static struct exposure split(uint32_t total, struct exposure now, const struct l
 	if (limits->exposure) {
 		if (!limits->gain)
 			lines = (total + now.gain / 2) / now.gain;
-		now.lines = clamp(lines, 1, limits->lines);
+		now.lines = clamp(lines, AUTO_LINES_MIN, limits->lines);
 	}
 	if (limits->gain)
 		now.gain = clamp((total + now.lines / 2) / now.lines, AUTO_GAIN_MIN, AUTO_GAIN_MAX);
@@ -57,7 +57,7 @@ struct exposure auto_exposed(uint32_t level, struct exposure now, const struct l
 
 	if (distance(level, AUTO_TARGET) <= AUTO_BAND || !(limits->exposure || limits->gain))
 		return now;
-	least = (limits->exposure ? 1 : now.lines) * (limits->gain ? AUTO_GAIN_MIN : now.gain);
+	least = (limits->exposure ? AUTO_LINES_MIN : now.lines) * (limits->gain ? AUTO_GAIN_MIN : now.gain);
 	most = (limits->exposure ? limits->lines : now.lines) *
 	       (limits->gain ? AUTO_GAIN_MAX : now.gain);
 	if (!level)
@@ -107,11 +107,8 @@ bool auto_locks(uint32_t address)
 	/* Nothing is automatic without a controller, and Table I has no words to end it. */
 	if (!control.controlled)
 		return false;
-	switch (address) {
-	case SENSOR_SHUTTER_UPPER: case SENSOR_SHUTTER_LOWER: return automatic.exposure;
-	case SENSOR_GAIN: return automatic.gain;
-	}
-	return false;
+	return (automatic.exposure && feature_in(FEATURE_ExposureTime, address)) ||
+	       (automatic.gain && feature_in(FEATURE_Gain, address));
 }
 
 bool auto_writes(void)
@@ -162,6 +159,7 @@ static void decide(void)
 		return;
 	loop.limits = (struct limits){automatic.exposure, automatic.gain, AUTO_LINES_MAX};
 	loop.next = auto_exposed(loop.sum >> AUTO_LEVEL_SHIFT, now, &loop.limits);
+	loop.next.gain = gain_eighths(gain_number(loop.next.gain));	/* what the sensor has of it */
 	if (loop.next.lines != now.lines || loop.next.gain != now.gain) {
 		loop.phase = WRITING;
 		return;

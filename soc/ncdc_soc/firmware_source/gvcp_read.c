@@ -100,7 +100,7 @@ uint32_t gvcp_read_word(uint32_t address, uint32_t *value)
 	}
 	one = address >= GVCP_FEATURE_BASE ? feature_at(address) : 0;
 	if (one) {
-		if (one->lower == NO_WORD)
+		if (!one->parts)
 			return own_feature(one, value);
 		*value = feature_read(one);
 		return SUCCESS;

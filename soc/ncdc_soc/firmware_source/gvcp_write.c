@@ -212,5 +212,5 @@ uint32_t gvcp_write_word(uint32_t address, uint32_t value, const struct udp_path
 		return write_bootstrap(address, value);
 	if (one->access == 'r')
 		return WRITE_PROTECT;
-	return one->lower == NO_WORD ? write_own(one, value) : status_of(feature_write(one, value));
+	return !one->parts ? write_own(one, value) : status_of(feature_write(one, value));
 }

@@ -13,26 +13,26 @@ static bool corrected = true;
 static uint32_t rate = RATE_TENTHS;
 
 CONFIG_CHOICES
+const struct part feature_parts[] = CONFIG_PARTS;
 static const struct feature FEATURES[] = CONFIG_FEATURES;
 static const uint16_t FIELD[] = CONFIG_FIELD;	/* words from FIELD_FIRST on */
 
-/* Registers of the sensor that are cached, so that reading them takes no time on the I2C bus. */
-static uint16_t shutter_upper, shutter_lower, gain, pattern;
+/* Registers of the sensor that features are in are cached, so that reading them takes no time on the
+ * I2C bus. */
+static const uint16_t CACHED[] = SENSOR_CACHED;
+
+#define CACHED_COUNT (sizeof CACHED / sizeof *CACHED)
+
+static uint16_t copies[CACHED_COUNT];
 
 int words_begin(void)
 {
-	const struct {
-		uint16_t *word;
-		uint32_t address;
-	} cached[] = {{&shutter_upper, SENSOR_SHUTTER_UPPER}, {&shutter_lower, SENSOR_SHUTTER_LOWER},
-		    {&gain, SENSOR_GAIN}, {&pattern, SENSOR_PATTERN}};
-
-	for (unsigned k = 0; k < sizeof cached / sizeof *cached; ++k) {
-		int32_t value = sensor_read(cached[k].address);
+	for (unsigned k = 0; k < CACHED_COUNT; ++k) {
+		int32_t value = sensor_read(CACHED[k]);
 
 		if (value < 0)
 			return -1;
-		*cached[k].word = (uint16_t)value;
+		copies[k] = (uint16_t)value;
 	}
 	return 0;
 }
@@ -56,12 +56,9 @@ uint32_t words_frame_clocks(void)
 /* Where the sensor's register is cached; 0: it is not. */
 static uint16_t *cached(uint32_t address)
 {
-	switch (address) {
-	case SENSOR_SHUTTER_UPPER: return &shutter_upper;
-	case SENSOR_SHUTTER_LOWER: return &shutter_lower;
-	case SENSOR_GAIN: return &gain;
-	case SENSOR_PATTERN: return &pattern;
-	}
+	for (unsigned k = 0; k < CACHED_COUNT; ++k)
+		if (CACHED[k] == address)
+			return &copies[k];
 	return 0;
 }
 
@@ -141,7 +138,7 @@ static enum refusal user_writes(uint32_t address, uint32_t value)
 
 		if (USER[k].address != address)
 			continue;
-		if (part >= USER[k].low && part <= USER[k].high)
+		if (part >= USER[k].low && part <= USER[k].high && !(value >> SENSOR_VALUE_BITS))
 			return DONE;
 		refusal = BAD_VALUE;
 	}
@@ -164,31 +161,6 @@ static enum refusal write_sensor(uint32_t address, uint32_t value)
 		*copy = (uint16_t)value;
 	words_changed = interrupt_frames(true);
 	return DONE;
-}
-
-struct exposure words_exposure(void)
-{
-	uint32_t lines = (uint32_t)shutter_upper << 16 | shutter_lower;
-	uint32_t eighths = gain & SENSOR_GAIN_MASK;
-
-	/* What the sensor takes for 0. */
-	return (struct exposure){lines ? lines : 1, eighths ? eighths : AUTO_GAIN_MIN};
-}
-
-bool words_expose(const struct exposure *to, const struct limits *limits)
-{
-	const struct {
-		bool free;
-		uint32_t address, value;
-	} writes[] = {{limits->exposure, SENSOR_SHUTTER_UPPER, to->lines >> 16},
-		      {limits->exposure, SENSOR_SHUTTER_LOWER, to->lines & 0xffff},
-		      {limits->gain, SENSOR_GAIN, (gain & ~SENSOR_GAIN_MASK) | to->gain}};
-
-	for (unsigned k = 0; k < sizeof writes / sizeof *writes; ++k)
-		if (writes[k].free && *cached(writes[k].address) != writes[k].value &&
-		    write_sensor(writes[k].address, writes[k].value) == UNDER_WAY)
-			return false;
-	return true;
 }
 
 enum refusal word_write(uint32_t address, uint32_t value)
@@ -215,6 +187,21 @@ const struct feature *feature_at(uint32_t address)
 	return address % 4 == 0 && k < sizeof FEATURES / sizeof *FEATURES ? &FEATURES[k] : 0;
 }
 
+const struct feature *feature_of(enum feature_id id)
+{
+	return &FEATURES[id];
+}
+
+bool feature_in(enum feature_id id, uint32_t address)
+{
+	const struct part *part = &feature_parts[FEATURES[id].first];
+
+	for (unsigned k = 0; k < FEATURES[id].parts; ++k)
+		if (part[k].address == address)
+			return true;
+	return false;
+}
+
 /* The word of a feature: of the page, or cached, so that it is there at once. */
 static uint32_t word(uint32_t address)
 {
@@ -224,24 +211,45 @@ static uint32_t word(uint32_t address)
 	return value;
 }
 
+static uint32_t mask_of(const struct part *part)
+{
+	return ((1u << part->width) - 1) << part->shift;
+}
+
 uint32_t feature_read(const struct feature *one)
 {
-	uint32_t value = word(one->lower);
+	const struct part *part = &feature_parts[one->first];
+	uint32_t value = 0;
 
-	if (one->upper != NO_WORD)
-		value |= word(one->upper) << 16;
-	if (one->width)
-		value = value >> one->shift & ((1u << one->width) - 1);
+	for (unsigned k = 0; k < one->parts; ++k, ++part)
+		value |= (word(part->address) & mask_of(part)) >> part->shift << part->low;
+	if (one->id == FEATURE_Gain)
+		return gain_eighths(value);
 	for (unsigned k = 0; k < one->count; ++k)
 		if (one->choices[k].word == value)
 			return one->choices[k].value;
 	return value;
 }
 
-enum refusal feature_write(const struct feature *one, uint32_t value)
+/* Writes a feature's words by `write`, those that change. */
+static enum refusal put(const struct feature *one, uint32_t value,
+			enum refusal (*write)(uint32_t address, uint32_t value))
 {
+	const struct part *part = &feature_parts[one->first];
 	enum refusal refusal = DONE;
 
+	for (unsigned k = 0; k < one->parts && !refusal; ++k, ++part) {
+		uint32_t mask = mask_of(part), before = word(part->address);
+		uint32_t after = (before & ~mask) | (value >> part->low << part->shift & mask);
+
+		if (after != before)
+			refusal = write(part->address, after);
+	}
+	return refusal;
+}
+
+enum refusal feature_write(const struct feature *one, uint32_t value)
+{
 	if (one->count) {
 		unsigned k = 0;
 
@@ -253,12 +261,22 @@ enum refusal feature_write(const struct feature *one, uint32_t value)
 	} else if (value < one->low || value > one->high) {
 		return BAD_VALUE;
 	}
-	if (one->width) {
-		uint32_t mask = ((1u << one->width) - 1) << one->shift;
+	return put(one, one->id == FEATURE_Gain ? gain_number(value) : value, word_write);
+}
 
-		value = (word(one->lower) & ~mask) | value << one->shift;
-	}
-	if (one->upper != NO_WORD)
-		refusal = word_write(one->upper, value >> 16);
-	return refusal ? refusal : word_write(one->lower, value & 0xffff);
+struct exposure words_exposure(void)
+{
+	uint32_t lines = feature_read(feature_of(FEATURE_ExposureTime));
+
+	/* What the sensor takes for less. */
+	return (struct exposure){lines > AUTO_LINES_MIN ? lines : AUTO_LINES_MIN,
+				 feature_read(feature_of(FEATURE_Gain))};
+}
+
+bool words_expose(const struct exposure *to, const struct limits *limits)
+{
+	return !(limits->exposure &&
+		 put(feature_of(FEATURE_ExposureTime), to->lines, write_sensor) == UNDER_WAY) &&
+	       !(limits->gain && put(feature_of(FEATURE_Gain), gain_number(to->gain),
+				     write_sensor) == UNDER_WAY);
 }

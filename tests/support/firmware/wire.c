@@ -8,9 +8,10 @@
  * the sensor does: with registers of two frames ago. "p OFFSET VALUE" sets a register of the corrector,
  * of a sum of colours to what it is with gains of 1 at capture;
  * "q OFFSET" asks for it; "e LEVEL LINES GAIN EXPOSURE GAIN LINES" and "w RED GREEN BLUE PIXELS RED GREEN
- * BLUE" ask for what the rules of auto.h say. The answer to these begins with "v", in decimal.
- * The sensor's registers take what is written; all but the identity and the gain are 0 at first. A
- * new frame is complete whenever time passes. */
+ * BLUE" ask for what the rules of auto.h say; "i ADDRESS" asks for a register of the sensor. The answer
+ * to these begins with "v", in decimal.
+ * The sensor's registers take what is written; at first they hold what the firmware would set them to.
+ * A new frame is complete whenever time passes. */
 #include "machine.h"
 
 #define TURNS 300		/* of the loop for a frame: more than any answer needs */
@@ -20,8 +21,16 @@
 static uint32_t link_status;
 static uint64_t now;
 
-/* The sensor at the I2C bus: registers of 16 bits at addresses of 8, which count on by themselves. */
-static uint8_t registers[0x200];
+/* The sensor at the I2C bus: the bytes of its registers, whose addresses count on by themselves. */
+#define POINTER_BYTES (SENSOR_POINTER_BITS / 8)
+#define VALUE_BYTES (SENSOR_VALUE_BITS / 8)
+
+static const struct {
+	uint16_t address, value;
+	uint32_t wait_us;
+} SET_UP[] = SENSOR_SET_UP;
+
+static uint8_t registers[VALUE_BYTES << SENSOR_POINTER_BITS];
 static uint32_t i2c_result, i2c_bytes, i2c_at;
 
 static uint32_t light;		/* 0: raw frames show their addresses */
@@ -31,8 +40,8 @@ static uint32_t colours[3];	/* sums of the corrector, if these gains were 1 */
 
 static void hold(uint32_t address, uint32_t value)
 {
-	registers[2 * address] = (uint8_t)(value >> 8);
-	registers[2 * address + 1] = (uint8_t)value;
+	for (unsigned k = VALUE_BYTES; k--; value >>= 8)
+		registers[VALUE_BYTES * address + k] = (uint8_t)value;
 }
 
 static void i2c(uint32_t command)
@@ -40,8 +49,8 @@ static void i2c(uint32_t command)
 	i2c_result = 0;
 	if (command & NCDC_I2C_COMMAND_START)
 		i2c_bytes = 0;
-	else if (command & NCDC_I2C_COMMAND_WRITE && ++i2c_bytes == 1)
-		i2c_at = 2 * (command & 0xff);
+	else if (command & NCDC_I2C_COMMAND_WRITE && ++i2c_bytes <= POINTER_BYTES)
+		i2c_at = (i2c_bytes == 1 ? 0 : i2c_at << 8) | (command & 0xff) * VALUE_BYTES;
 	else if (command & NCDC_I2C_COMMAND_WRITE)
 		registers[i2c_at++ % sizeof registers] = (uint8_t)command;
 	else if (command & NCDC_I2C_COMMAND_READ)
@@ -50,16 +59,32 @@ static void i2c(uint32_t command)
 
 static uint32_t register_at(uint32_t address)
 {
-	return (uint32_t)registers[2 * address] << 8 | registers[2 * address + 1];
+	uint32_t value = 0;
+
+	for (unsigned k = 0; k < VALUE_BYTES; ++k)
+		value = value << 8 | registers[VALUE_BYTES * address + k];
+	return value;
+}
+
+/* The number of a feature in the sensor's registers. */
+static uint32_t number(enum feature_id id)
+{
+	const struct part *part = &feature_parts[feature_of(id)->first];
+	uint32_t found = 0;
+
+	for (unsigned k = 0; k < feature_of(id)->parts; ++k, ++part)
+		found |= (register_at(part->address) >> part->shift & ((1u << part->width) - 1))
+			 << part->low;
+	return found;
 }
 
 static void expose(void)
 {
-	uint32_t lines = register_at(SENSOR_SHUTTER_UPPER) << 16 | register_at(SENSOR_SHUTTER_LOWER);
+	uint32_t lines = number(FEATURE_ExposureTime);
 
 	exposed[0] = exposed[1];
 	exposed[1] = exposed[2];
-	exposed[2] = (lines ? lines : 1) * (register_at(SENSOR_GAIN) & SENSOR_GAIN_MASK);
+	exposed[2] = (lines ? lines : 1) * gain_eighths(number(FEATURE_Gain));
 }
 
 static uint32_t *system_register(uint32_t address)
@@ -185,8 +210,9 @@ int main(void)
 {
 	static char line[2 * ETHMAC_SLOT_BYTES + 8];
 
+	for (unsigned k = 0; k < sizeof SET_UP / sizeof *SET_UP; ++k)
+		hold(SET_UP[k].address, SET_UP[k].value);
 	hold(SENSOR_ID_ADDRESS, SENSOR_ID);
-	hold(SENSOR_GAIN, 8);
 	for (unsigned c = 0; c < 3; ++c)
 		*system_register(NCDC_CAPTURE_GAINS) |= AUTO_RATIO_UNITY << AUTO_RATIO_BITS * c;
 	balanced[0] = balanced[1] = balanced[2] = *system_register(NCDC_CAPTURE_GAINS);
@@ -204,6 +230,8 @@ int main(void)
 			corrector(line);
 		else if (line[0] == 'l')
 			link_status = (uint32_t)strtoul(line + 2, 0, 0);
+		else if (line[0] == 'i')
+			printf("v %u\n", register_at((uint32_t)strtoul(line + 2, 0, 10)));
 		else if (line[0] == 'c')
 			now = strtoull(line + 2, 0, 10);
 		printf(".\n");
