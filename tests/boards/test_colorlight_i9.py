@@ -105,7 +105,7 @@ def rejected(capsys, *arguments):
 
 @pytest.mark.parametrize("sizes,options,said", [
     ([(64, 24)], ["--mode", "640x480"], "the board colorlight-i9 has no screen"),
-    ([(64, 24)], ["--sensor", "ov5640"], "the processor's firmware knows the mt9p031"),
+    ([(64, 24)], ["--sensor", "ov5640"], "a device on a network has one of mt9p031"),
     ([(64, 24), (64, 24)], [], "2 descriptors are given, the board colorlight-i9 has no buttons"),
     ([(62, 24)], [], "a row of the corrected picture has 186 bytes, .* 4 at once: 60 or 64 pixels"),
     ([(64, 24, 2000, 1500)], [], "the frames take .* MB, the colorlight-i9 has 8.4 MB"),

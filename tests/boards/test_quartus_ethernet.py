@@ -100,7 +100,7 @@ def test_every_pin_has_its_own_port_and_the_sources_are_named(folder):
     (["--board", BOARD, "--system", "--mac", "024e0a4d000c"], "six pairs of hexadecimal digits"),
     (["--board", BOARD, "--system", "--mac", "03:4e:0a:4d:00:0c"], "its first byte is even"),
     (["--board", BOARD, "--system", "--mac", "00:00:00:00:00:00"], "not all bytes are 0"),
-    (["--board", BOARD, "--system", "--sensor", "ov5640"], "the processor's firmware knows"),
+    (["--board", BOARD, "--system", "--sensor", "ov5640"], "a device on a network has one of"),
 ])
 def test_what_does_not_fit_is_rejected(tmp_path, capsys, arguments, said):
     small().save(tmp_path / "net.toml")

@@ -1,5 +1,7 @@
 """Settings of a user of a network, in the registers of each sensor: one list for every device."""
 
+from dataclasses import replace
+
 import pytest
 
 from cameras import barrel_descriptor
@@ -7,6 +9,7 @@ from devices import SIZE, device, small_lens
 from firmware_wire import TcpUser, Wire, wire_program
 from gvcp_client import PEER, Client
 from ncdc_host.client.table import Connection
+from ncdc_host.device import registers
 from ncdc_spec.protocols import gvcp
 from ncdc_spec.protocols.features import features_of
 from ncdc_spec.protocols.genicam import genicam_xml
@@ -113,10 +116,10 @@ def code(name, feature, value):
 
 
 def test_a_setting_is_in_the_sensors_registers(name, one):
-    for feature, value, registers in CASES[name]:
+    for feature, value, words in CASES[name]:
         number = code(name, feature, value)
         assert one.client.set(**{feature: number}) == [gvcp.SUCCESS], (feature, value)
-        assert {at: one.register(at) for at in registers} == registers, (feature, value)
+        assert {at: one.register(at) for at in words} == words, (feature, value)
         assert one.client.get(feature) == number
 
 
@@ -147,17 +150,17 @@ def test_mirrors_and_window(name):
     one = Emulated(name)
     one.client.control()
     try:
-        for feature, registers in MIRRORS[name]:
+        for feature, bits in MIRRORS[name]:
             for value in (1, 0):
                 assert one.client.set(**{feature: value}) == [gvcp.SUCCESS]
                 assert one.client.get(feature) == value
-                for address, (mask, mirrored) in registers.items():
+                for address, (mask, mirrored) in bits.items():
                     assert (one.register(address) & mask == mirrored) == bool(value), feature
         x, y = one.client.get("FieldLeft"), one.client.get("FieldTop")
         assert one.client.set(CorrectionEnable=0, Width=32, Height=16, OffsetX=8, OffsetY=4) == [
             gvcp.SUCCESS] * 5
-        registers = WINDOWS[name](x, y)
-        assert {at: one.register(at) for at in registers} == registers
+        words = WINDOWS[name](x, y)
+        assert {at: one.register(at) for at in words} == words
     finally:
         one.close()
 
@@ -205,3 +208,22 @@ def test_the_xml_has_what_the_sensor_has():
         assert b"GreyHorizontalRamp" not in found[name] and b'"ColorBar"' in found[name]
     assert b"ColorField" in found["imx219"] and b"ColorField" not in found["ov5647"]
     assert b"<Max>10.625</Max>" in found["imx219"]
+
+
+def test_what_a_sensor_lacks_is_absent(monkeypatch):
+    """It is no feature of the XML, reads as 0, and cannot be written."""
+    whole = controlled_sensor("imx219")
+    less = replace(whole, controls=replace(
+        whole.controls, mirror_columns=None, pattern=(), patterns={}))
+    xml = genicam_xml(features=features_of(less))
+    assert b"ReverseX" not in xml and b"TestPattern" not in xml and b"ReverseY" in xml
+    monkeypatch.setattr(registers, "controlled_sensor", lambda name: less)
+    one = Emulated("imx219")
+    one.client.control()
+    try:
+        assert one.client.set(ReverseX=1, TestPattern=2, ReverseY=1) == [
+            gvcp.WRITE_PROTECT, gvcp.WRITE_PROTECT, gvcp.SUCCESS]
+        assert [one.client.get(name) for name in ("ReverseX", "TestPattern", "ReverseY")] == [
+            0, 0, 1]
+    finally:
+        one.close()
