@@ -46,6 +46,8 @@ def ours():
     """{signal: pins} of all that the top asks for."""
     platform, found = ColorlightI9Platform(), {}
     for (name, _), resource in platform.resources.items():
+        if name == "csi_camera":        # at the same pins: tests/boards/test_ecp5_csi2.py
+            continue
         for part in resource.ios:
             parts = [(name, part)] if hasattr(part, "names") else \
                 [(f"{name}.{part.name}", part.ios[0])]

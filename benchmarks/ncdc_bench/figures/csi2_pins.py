@@ -9,7 +9,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from ncdc_bench.figures.box_drawing import write_figure
-from ncdc_boards.ulx3s.platform import CSI_LANE_HZ
+from ncdc_boards.ecp5.csi2_camera import LANE_HZ_MAX
 from ncdc_spec.sensors.csi2 import SYNC_BYTE
 
 __all__ = ["draw"]
@@ -26,7 +26,7 @@ _BITS = [SYNC_BYTE >> k & 1 for k in range(8)] + [1, 1, 0, 1, 0, 1, 0, 0]
 def _wires():
     """(Nanoseconds, volts of Dp, volts of Dn) of the changes, and the ends of the parts."""
     parts = np.cumsum([_STOP, _LPX, _PREPARE, _ZERO])
-    bit = _STRETCHED * 1e9 / CSI_LANE_HZ
+    bit = _STRETCHED * 1e9 / LANE_HZ_MAX
     sent = parts[-1] + bit * np.arange(len(_BITS) + 1)
     points = [(0, _LOW_POWER, _LOW_POWER), (parts[0], 0, _LOW_POWER), (parts[1], 0, 0),
               (parts[2], _LOW, _HIGH)]

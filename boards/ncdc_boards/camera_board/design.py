@@ -61,7 +61,7 @@ def requested_sensor(request, geometry, board):
         most = getattr(board, "csi_lane_hz", 0)
         if not most:
             raise InputError(f"the sensor {sensor.name} has CSI-2 lanes, the {board.name} takes "
-                             "parallel sensors: the ulx3s takes both")
+                             "parallel sensors: the ulx3s and the colorlight-i9 take both")
         usual = setup(sensor, Settings()).link.lane_hz
         settings |= {"lane_hz": most} if usual > most else {}
         if settings.get("exposure_us", Settings.exposure_us) < .9e6 / _CSI_RATE:

@@ -5,6 +5,7 @@ from fractions import Fraction
 
 from amaranth import *
 
+from ncdc_boards.ecp5.csi2_camera import lane_targets
 from ncdc_boards.ecp5.pll import Pll, gate, loop
 from ncdc_spec.errors import InputError
 
@@ -21,9 +22,11 @@ _RESET_CLOCKS = 64                  # length of the processor's reset
 
 @dataclass(frozen=True)
 class ClockPlan:
-    """The loop; ``ethernet`` is always there."""
+    """The loop; ``ethernet`` is always there. ``lane_mhz``: Mb/s of the lanes of a sensor with
+    CSI-2, else 0."""
     loop: Pll
     ethernet: bool = True
+    lane_mhz: float = 0
 
     @property
     def core_mhz(self):
@@ -31,7 +34,11 @@ class ClockPlan:
 
     def targets(self):
         """MHz of each domain, by its name."""
-        return dict(zip(DOMAINS, self.loop.outputs_mhz))
+        found = dict(zip(DOMAINS, self.loop.outputs_mhz))
+        if self.lane_mhz:       # a module with CSI-2 has its own reference
+            del found["sensor_reference"]
+            found |= lane_targets(self.lane_mhz)
+        return found
 
 
 def clock_plan(mode, core_mhz=CORE_MHZ):

@@ -5,14 +5,20 @@ from amaranth.vendor import LatticeECP5Platform
 from amaranth_boards.resources import LEDResources, SDRAMResource, UARTResource
 
 from ncdc_boards.camera_board.ethernet import rgmii
+from ncdc_boards.ecp5.csi2_camera import csi_camera
 
-__all__ = ["CAMERA_WIRES", "ColorlightI9Platform"]
+__all__ = ["CAMERA_WIRES", "CSI_WIRES", "ColorlightI9Platform"]
 
 CAMERA_WIRES = {
     "d": (11, 12, 9, 10, 7, 8, 13, 14, 17, 18, 23, 24), "fval": (26,), "lval": (27,), "scl": (28,),
     "sda": (29,), "xclk": (30,), "reset_n": (5,), "pixclk": (25,)}
 """Pins of the header P2 for the camera, D0 first; 25 leads to a clock network. Pins that stop a
 sensor (TRIGGER, PWDN) are wired to ground."""
+
+CSI_WIRES = {"clock": (("30", "27"),), "lanes": (("28", "26"), ("13", "18")),
+             "low_power": ("25", "17"), "scl": ("9",), "sda": ("10",), "reset_n": ("5",)}
+"""Pins of P2 for a camera with CSI-2, of pairs P and N. P2 has four pairs of the device's right
+side: these, and 23 with 12. Of them 30 with 27 alone reaches the edge clocks."""
 
 _PIXEL_CLOCK_HZ = 96e6          # the fastest of the sensors
 _DIRECTIONS = {"scl": "io", "sda": "io", "xclk": "o", "reset_n": "o"}
@@ -54,7 +60,7 @@ class ColorlightI9Platform(LatticeECP5Platform):
         # One of two chips: its management registers are at address 0.
         rgmii(_FAST, rst="P4", mdc="N5", mdio="P5", tx_clk="G1", tx_ctl="K1", tx_data="G2 H1 J1 J3",
               rx_clk="H2", rx_ctl="P2", rx_data="K2 L1 N1 P1"),
-        _camera(),
+        _camera(), csi_camera(CSI_WIRES, ("p", 2)),
     ]
     connectors = [
         Connector("p", 2, "- - - - K18 L2 T18 C18 R17 R18 M17 P17 U18 T17 - - P18 U17 - - - - "

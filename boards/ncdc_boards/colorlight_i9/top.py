@@ -7,6 +7,7 @@ from ncdc_boards.camera_board.ethernet import join_processor
 from ncdc_boards.camera_board.pins import buffer, join_camera, join_leds, join_sdram, join_uart
 from ncdc_boards.colorlight_i9.clocks import DOMAINS, ColorlightI9Clocks
 from ncdc_boards.ecp5.cells import clock_out, delayed
+from ncdc_boards.ecp5.csi2_camera import join_csi_camera
 
 __all__ = ["ColorlightI9Top"]
 
@@ -31,7 +32,10 @@ class ColorlightI9Top(Elaboratable):
         m.submodules.clocks = clocks = ColorlightI9Clocks(self.design.clocks, oscillator.i)
         m.submodules.core = core = self.core
         clock_out(m, "memory", join_sdram(m, platform, core))
-        clock_out(m, "sensor_reference", join_camera(m, platform, core))
+        if self.design.link:
+            join_csi_camera(m, platform, core, self.design)
+        else:
+            clock_out(m, "sensor_reference", join_camera(m, platform, core))
         join_uart(m, platform, core)
         # The only LED: frames are corrected.
         ready, configured = core.leds[:2]

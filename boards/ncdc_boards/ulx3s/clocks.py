@@ -5,6 +5,7 @@ from fractions import Fraction
 
 from amaranth import *
 
+from ncdc_boards.ecp5.csi2_camera import lane_targets
 from ncdc_boards.ecp5.pll import OSCILLATOR_MHZ, Pll, gate, loop
 from ncdc_spec.errors import InputError
 
@@ -43,8 +44,7 @@ class ClockPlan:
         """MHz of each domain, by its name."""
         core, video = self.core.outputs_mhz, self.video.outputs_mhz
         # A module with CSI-2 has its own reference.
-        sensor = {"sensor": self.lane_mhz / 8, "csi_word": self.lane_mhz / 4} if self.lane_mhz \
-            else {"sensor_reference": core[2]}
+        sensor = lane_targets(self.lane_mhz) if self.lane_mhz else {"sensor_reference": core[2]}
         return {"sync": core[0], "memory": core[1], **sensor, "shift": video[0],
                 "pixel": video[1]}
 

@@ -1,9 +1,11 @@
 """Pins of the ULX3S: those of amaranth-boards, and a camera on the header J1, of either kind."""
 
-from amaranth.build import Attrs, Clock, DiffPairs, Pins, Resource, Subsignal
+from amaranth.build import Attrs, Clock, Pins, Resource, Subsignal
 from amaranth_boards.ulx3s import ULX3S_85F_Platform
 
-__all__ = ["CAMERA_WIRES", "CSI_LANE_HZ", "CSI_WIRES", "Ulx3sPlatform"]
+from ncdc_boards.ecp5.csi2_camera import csi_camera
+
+__all__ = ["CAMERA_WIRES", "CSI_WIRES", "Ulx3sPlatform"]
 
 CAMERA_WIRES = {
     "d": tuple(f"{pair}{side}" for pair in range(6) for side in "+-"),
@@ -11,15 +13,11 @@ CAMERA_WIRES = {
     "reset_n": ("8-",), "standby": ("9+",), "pixclk": ("12+",)}
 """Wires of the camera: "3+" is GP3 of the header J1, "3-" GN3. GP12 leads to a clock network."""
 
-CSI_WIRES = {"clock": ("12",), "lanes": ("11", "13"), "low_power": ("10+", "10-"),
-             "scl": ("7+",), "sda": ("7-",), "reset_n": ("8-",)}
-"""Wires of a camera with CSI-2; "12" is the pair GP12 and GN12. Of J1's pairs only
-GP11, GP12 and GP13 are at a side of the device with differential inputs and gearing. They share
-bank 7, and GP12 alone reaches its edge clocks."""
-
-CSI_LANE_HZ = 456_000_000
-"""Most bits per second of a lane: half of the IMX219's usual ones. Of GDDRX2 speed grade
-8 takes 800 Mb/s (FPGA-DS-02012), grade 6, which the board has, less."""
+CSI_WIRES = {"clock": (("12+", "12-"),), "lanes": (("11+", "11-"), ("13+", "13-")),
+             "low_power": ("10+", "10-"), "scl": ("7+",), "sda": ("7-",), "reset_n": ("8-",)}
+"""Wires of a camera with CSI-2, of pairs P and N. Of J1's pairs only GP11, GP12 and GP13 are at a
+side of the device with differential inputs and gearing. They share bank 7, and GP12 alone reaches
+its edge clocks."""
 
 _PIXEL_CLOCK_HZ = 96e6          # the fastest of the sensors
 _DIRECTIONS = {"scl": "io", "sda": "io", "xclk": "o", "reset_n": "o", "standby": "o"}
@@ -38,26 +36,8 @@ def _camera():
                     Attrs(IO_TYPE="LVCMOS33", DRIVE="4", SLEWRATE="SLOW"))
 
 
-def _csi_camera():
-    """The wires of a camera with CSI-2. Its pairs end in resistors of 100 ohms in the device."""
-    def pairs(name, *more):
-        wires = (" ".join(f"{pair}{side}" for pair in CSI_WIRES[name]) for side in "+-")
-        return Subsignal(name, DiffPairs(*wires, dir="i", conn=("gpio", 0)),
-                         Attrs(IO_TYPE="LVDS", DIFFRESISTOR="100"), *more)
-
-    def single(name, direction, **attrs):
-        return Subsignal(name, Pins(" ".join(CSI_WIRES[name]), dir=direction, conn=("gpio", 0)),
-                         Attrs(**attrs))
-
-    slow = {"IO_TYPE": "LVCMOS33", "DRIVE": "4", "SLEWRATE": "SLOW"}
-    return Resource(
-        "csi_camera", 0, pairs("clock", Clock(CSI_LANE_HZ / 2)), pairs("lanes"),
-        single("low_power", "i", IO_TYPE="LVCMOS12", PULLMODE="NONE"),
-        *(single(name, "io", PULLMODE="UP", **slow) for name in ("scl", "sda")),
-        single("reset_n", "o", PULLMODE="NONE", **slow))
-
-
 class Ulx3sPlatform(ULX3S_85F_Platform):
     """The ULX3S with an LFE5U-85F of speed grade 6, and a camera."""
-    resources = [*ULX3S_85F_Platform.resources, _camera(), _csi_camera()]
+    resources = [*ULX3S_85F_Platform.resources, _camera(),
+                 csi_camera(CSI_WIRES, ("gpio", 0))]
     required_tools = ()         # `ncdc build` calls the tools, from their Python packages

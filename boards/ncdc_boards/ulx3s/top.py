@@ -1,7 +1,6 @@
 """The top of a ULX3S: its clocks and pins, and the core of all boards."""
 
 from amaranth import *
-from amaranth.lib.wiring import connect
 
 from ncdc_boards.camera_board.core import BoardCore
 from ncdc_boards.camera_board.pattern import join_pattern
@@ -11,23 +10,18 @@ from ncdc_boards.camera_board.pins import (
     join_camera,
     join_leds,
     join_sdram,
-    join_sensor_control,
     join_uart,
     request,
 )
 from ncdc_boards.ecp5.cells import clock_out
-from ncdc_boards.ecp5.csi2_phy import Ecp5Csi2Phy
+from ncdc_boards.ecp5.csi2_camera import join_csi_camera
 from ncdc_boards.ulx3s.clocks import DOMAINS, Ulx3sClocks
-from ncdc_boards.ulx3s.platform import CSI_WIRES
 from ncdc_hdl.video.dvi import Dvi
 
 __all__ = ["Ulx3sTop"]
 
 _BUTTONS = {"following": ("button_right", 0), "previous": ("button_left", 0),
             "raw": ("button_fire", 0), "again": ("button_down", 0)}
-
-
-_QUICK = {"steps": 16, "stride": 8, "bursts": 2}
 
 
 class Ulx3sTop(Elaboratable):
@@ -54,7 +48,7 @@ class Ulx3sTop(Elaboratable):
         if self.design.pattern:
             join_pattern(m, core, self.design.pattern, "sensor_reference")
         elif self.design.link:
-            self._csi_camera(m, platform, core)
+            join_csi_camera(m, platform, core, self.design)
         else:
             clock_out(m, "sensor_reference", join_camera(m, platform, core))
         self._gpdi(m, platform, dvi)
@@ -66,22 +60,6 @@ class Ulx3sTop(Elaboratable):
                                             "gpio17"))
         m.d.comb += buffer(m, esp32.en).o.eq(0)
         return m
-
-    def _csi_camera(self, m, platform, core):
-        """A sensor with CSI-2, whose module has its own clock."""
-        link = self.design.link
-        wires = request(platform, "csi_camera", CSI_WIRES)
-        # A simulation that takes no time for the sensor's reset does not for the search either.
-        search = _QUICK if self.design.time_scale > 1 else {}
-        m.submodules.csi2_phy = phy = Ecp5Csi2Phy(link.lanes, **search)
-        m.d.comb += [
-            phy.pair.eq(buffer(m, wires.clock).i), phy.pairs.eq(buffer(m, wires.lanes).i),
-            phy.low_power.eq(buffer(m, wires.low_power).i),
-            phy.settle.eq(core.csi_settle), core.sensor_clock.eq(phy.clock),
-            core.csi_phy.eq(Cat(phy.ready, phy.failures)), core.csi_eyes.eq(Cat(phy.eyes))]
-        for ours, theirs in zip(core.lanes, phy.o):
-            connect(m, theirs, ours)
-        join_sensor_control(m, core, wires)
 
     @staticmethod
     def _gpdi(m, platform, dvi):
