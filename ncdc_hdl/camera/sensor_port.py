@@ -249,7 +249,8 @@ class SensorPort(wiring.Component):
             m.d.sync += lines.eq(counted)
         with m.If((now["begins"] & ~begin | now["lost"]) & enable):
             m.d.sync += missed.eq(missed + 1)
-        with m.If((now["end"] | now["lost"]) & (capturing | begin)):
+        # With more samples per clock an end in the clock of a beginning is the former frame's.
+        with m.If((now["end"] | now["lost"]) & (capturing | (begin if self.count == 1 else 0))):
             m.d.sync += [
                 capturing.eq(0), owed.eq(1), report.rows.eq(now["wrong_rows"]),
                 report.overflow.eq(overflow), report.lines.eq(counted),

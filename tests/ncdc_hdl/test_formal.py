@@ -12,7 +12,7 @@ from amaranth import Const, Mux
 from cases import cases
 from formal.arbiters import Arbiter
 from formal.avalon import Commands, Reader, Writer
-from formal.captures import Pins
+from formal.captures import Pins, Samples
 from formal.fences import FencedReads, FencedWords, WordsInBursts
 from formal.fills import FillOrder, FillSpace
 from formal.lookups import Progress, Slots, Tokens
@@ -225,6 +225,8 @@ PROOFS = {
     "frames of two readers": (Store, "prove", 2),
     "bursts of two hosts": (Arbiter, "prove", 2),
     "samples of a sensor": (Pins, "bmc", 34),
+    "two samples per clock": (lambda: Samples(2), "bmc", 24),
+    "four samples per clock": (lambda: Samples(4), "bmc", 22),
     "fill space": (FillSpace, "prove", 2),
     "tokens": (Tokens, "prove", 2),
     "progress": (Progress, "prove", 11),
@@ -278,6 +280,8 @@ COVERS = {
     "frames": (Store, 14, {"all_in_use", "followed", "lost"}),
     "bursts of two hosts": (Arbiter, 10, {"urgent_waits", "other_waits"}),
     "samples of a sensor": (Pins, 37, {"clean", "overflow"}),
+    "two samples per clock": (lambda: Samples(2), 26, {"clean", "overflow"}),
+    "four samples per clock": (lambda: Samples(4), 24, {"clean", "overflow"}),
     "fill space": (FillSpace, 34, {"all_owed", "claim_while_filled"}),
     "fill order": (FillOrder, 32, {"second_tile"}),
     "progress": (Progress, 25, {"full", "tokens_to_come", "waits"}),
@@ -317,6 +321,8 @@ PLANTED = {
     "a frame that is begun anew": (lambda: Store(kind=ForgottenReader), 14, "unchanged0"),
     "a burst that another breaks into": (lambda: Arbiter(kind=Impatient), 10, "burst_is_one1"),
     "samples lost without a word": (lambda: Pins(kind=Forgetful), 35, "nothing_lost"),
+    "samples lost, two per clock": (lambda: Samples(2, ForgetfulPort), 26, "nothing_lost"),
+    "samples lost, four per clock": (lambda: Samples(4, ForgetfulPort), 24, "nothing_lost"),
     "credit too many": (lambda: Credits(credit_error=1), 16, "no_overflow"),
     "credits' queue too small": (lambda: planted(Credits(), entries_missing=1), 16, "no_overflow"),
     "tile too many": (lambda: FillSpace(kind=CreditTooMany), 30, "words_owed"),
@@ -345,7 +351,8 @@ LONGER_PLANTED = {
     "a word of another row", "READ too early", "burst that the memory forgot",
     "a word after the buffer", "a word before the buffer", "a read after the buffer",
     "word dropped under waitrequest", "reset forgets the burst", "a buffer too few",
-    "samples lost without a word", "tile too many", "fills' queues too small", "slot too early",
+    "samples lost without a word", "samples lost, two per clock", "samples lost, four per clock",
+    "tile too many", "fills' queues too small", "slot too early",
     "token not spent", "frames mixed", "no interlock, claimed twice"}
 
 
