@@ -23,6 +23,11 @@ class Ecp5Csi2Phy(wiring.Component):
     there are a whole period of the faster clock for their setup, and what is left of the other one
     by the way of ``clock`` to its network for their hold.
 
+    That crossing needs no constraint, and nextpnr, for which the clocks are unrelated, takes none.
+    Both clocks have one source. The paths lead from flip-flop to flip-flop, without logic: nextpnr
+    reports 1.6 ns at most, of 8.8 ns at 456 Mb/s. A hold time could be violated only if ``clock``
+    took longer than those 8.8 ns from its flip-flop to its network.
+
     Until the delays are chosen no lane is active at ``o``.
 
     Parameters
