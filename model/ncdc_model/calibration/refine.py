@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from ncdc_model.calibration.descent import Slope, robust_cost
 from ncdc_model.exact import solve
 
 __all__ = ["refine"]
@@ -16,8 +17,8 @@ _EASED = 0.1           # of the damping, after a step that lowered the cost
 def refine(residuals, derivatives, start, robust):
     """Parameters near ``start`` of least Huber cost of ``residuals``, rounded to a coarse grain.
 
-    ``scipy.optimize.least_squares`` ends as soon as the cost hardly falls; where exactly depends
-    on the last bits of its linear algebra. Damped Gauss-Newton steps go on from there until a step
+    A search ends as soon as the cost hardly falls; where exactly depends on the last bits of its
+    linear algebra. Damped Gauss-Newton steps go on from there until a step
     is far below the grain. They reach the same minimum from any start. Rounding to the grain
     removes what the order of summation leaves.
 
@@ -34,23 +35,20 @@ def refine(residuals, derivatives, start, robust):
     """
     here, value, damping = start, residuals(start), 0.0
     scale = _scales(derivatives, here)
-    jacobian = None
+    slope = None
     for _ in range(_STEPS):
-        if jacobian is None:
-            jacobian = derivatives(here) * scale[:, None]
-            weighted = jacobian * np.minimum(1.0, robust / np.maximum(np.abs(value), 1e-300))
-            normal = weighted @ jacobian.T      # its last bits only change how fast a step leads
-            slope = (weighted * value).sum(1)
-        damped = normal + damping * np.diag(np.diag(normal))
-        step = solve(damped[None], -slope[None, :, None])[0, :, 0]
+        if slope is None:       # its last bits only change how fast a step leads
+            slope = Slope(value, derivatives(here) * scale[:, None], robust)
+        damped = slope.normal + damping * np.diag(np.diag(slope.normal))
+        step = solve(damped[None], -slope.gradient[None, :, None])[0, :, 0]
         trial = here + scale * step
         found = residuals(trial)
-        if not _cost(found, robust) < _cost(value, robust) * (1 + 1e-9):
+        if not robust_cost(found, robust) < robust_cost(value, robust) * (1 + 1e-9):
             damping = max(damping / _EASED, _DAMPED[0])
             if damping > _DAMPED[1]:
                 break
             continue
-        here, value, jacobian = trial, found, None
+        here, value, slope = trial, found, None
         damping = damping * _EASED if damping > _DAMPED[0] else 0.0
         if np.abs(step).max() < _DONE and not damping:
             break
@@ -63,7 +61,3 @@ def _scales(derivatives, here):
     moved = np.sqrt((derivatives(here)**2).sum(axis=1))
     return 2.0**-np.rint(np.log2(np.maximum(moved, 1e-12)))
 
-
-def _cost(value, robust):
-    far = np.abs(value)
-    return np.where(far <= robust, .5 * far**2, robust * (far - .5 * robust)).sum()

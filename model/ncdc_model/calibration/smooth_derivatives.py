@@ -2,11 +2,10 @@
 
 import numpy as np
 
-from ncdc_model.calibration.smooth_vector import LENS, MAX_RATIO, TERMS, planes_of, tilt_matrix
+from ncdc_model.calibration.smooth_vector import LENS, MAX_RATIO, TERMS, crosses, planes_of
+from ncdc_model.lens import TiltedSensor
 
 __all__ = ["derivatives"]
-
-_PROBE = 1e-6          # radians: half the step of a tilt's numeric derivative
 
 
 def derivatives(vector, cells, owner):
@@ -25,8 +24,8 @@ def derivatives(vector, cells, owner):
     seen = (planes[owner] @ np.column_stack([cells, np.ones(len(cells))])[:, :, None])[:, :, 0]
     flat, by_ray, powers = _radial(lens[3:3 + TERMS], seen)
     parted, by_flat, by_decentring = _decentred(lens[3 + TERMS:9 + TERMS], flat)
-    tilts, aspect, ratio = lens[9 + TERMS:11 + TERMS], lens[-2], lens[-1]
-    at, by_parted, by_tilt = _tilted(tilts, parted)
+    tilt, aspect, ratio = TiltedSensor(tuple(lens[9 + TERMS:11 + TERMS])), lens[-2], lens[-1]
+    at, by_parted, by_tilt = _tilted(tilt, parted)
     focal, stretch = lens[0], 1 + MAX_RATIO[0] * np.tanh(aspect / MAX_RATIO[0])
     pixels = focal * np.array([1, stretch])
     to_pixels = by_parted * pixels[:, None]                     # (n, 2, 2), from the parted point
@@ -95,27 +94,20 @@ def _decentred(parameters, points):
     return points + along * higher[:, None] + prism * q[:, None], by_points, by_parameters
 
 
-def _tilted(angles, points):
-    """Points (n, 2) on a tilted sensor, their derivatives by ``points`` (n, 2, 2) and by both
-    angles (2, n, 2)."""
-    matrix = tilt_matrix(*angles)
+def _tilted(tilt, points):
+    """Points (n, 2) on a :class:`TiltedSensor`, their derivatives by ``points`` (n, 2, 2) and by
+    both angles (2, n, 2)."""
+    matrix = tilt.matrix
     before = np.column_stack([points, np.ones(len(points))])
     weight = before @ matrix[2]
     at = before @ matrix[:2].T / weight[:, None]
     by_points = (matrix[:2, :2] - at[:, :, None] * matrix[2, :2]) / weight[:, None, None]
-    by_angles = []
-    for step in _PROBE * np.eye(2):
-        change = (tilt_matrix(*angles + step) - tilt_matrix(*angles - step)) / (2 * _PROBE)
-        by_angles.append((before @ change[:2].T - at * (before @ change[2])[:, None])
-                         / weight[:, None])
-    return at, by_points, np.array(by_angles)
+    moved = before @ tilt.changes.swapaxes(1, 2)
+    return at, by_points, (moved[:, :, :2] - at * moved[:, :, 2:]) / weight[:, None]
 
 
 def _left_jacobians(turns):
     """Matrices (photos, 3, 3) that take changes of rotation vectors to those of the rotation."""
-    angle = np.maximum(np.linalg.norm(turns, axis=1), 1e-9)[:, None, None]
-    x, y, z = turns.T
-    nothing = np.zeros_like(x)
-    cross = np.stack([nothing, -z, y, z, nothing, -x, -y, x, nothing], axis=1).reshape(-1, 3, 3)
+    angle, cross = crosses(turns)
     return (np.eye(3) + (1 - np.cos(angle)) / angle**2 * cross
             + (angle - np.sin(angle)) / angle**3 * (cross @ cross))

@@ -1,8 +1,8 @@
 """Fits a smooth camera to the points of photos of a flat target."""
 
 import numpy as np
-from scipy.optimize import least_squares
 
+from ncdc_model.calibration.descent import descend
 from ncdc_model.calibration.smooth_derivatives import derivatives
 from ncdc_model.calibration.smooth_vector import (
     FLAWS,
@@ -36,6 +36,7 @@ _MIN_PRIOR = np.array([0.01] * (5 + TERMS) + [0.1] * 2 + [0.01] * 6)
 # Flaws are fitted only where they explain most of the residual without them: else they would absorb
 # a bent page, or an uneven lens.
 _EXPLAINS = 1.0, 0.4
+_GRAIN = 4             # steps of the prior's weight from one to its half
 _SETTLED = 0.8         # of the prior's last weight: with less the fit is repeated
 _SOME = 600            # points of all photos that are used in a search
 _ROUNDS = 6            # of fits, each with the prior's weight from the residual of the previous one
@@ -93,33 +94,33 @@ class Problem:
         return np.maximum(prior, _MIN_PRIOR) * self.prior_scale
 
     def solved(self, start, prior=1.0, flawed=False):
-        """Result of a robust least squares from ``start``."""
-        return least_squares(
-            self.residuals, start,
-            lambda vector, prior: self.derivatives(vector, prior, flawed).T,
-            method="dogbox", x_scale="jac", loss="huber", f_scale=ROBUST, max_nfev=100, ftol=1e-6,
-            args=(prior,))
+        """Vector and cost of a robust fit from ``start``."""
+        return descend(lambda vector: self.residuals(vector, prior),
+                       lambda vector: self.derivatives(vector, prior, flawed), start, ROBUST)
 
     def searched(self):
         """Vector of the best fit, weight of the prior in it, and whether it has flaws."""
         guesses = sorted((guess(self.size, focal * self.size[0], self.indices, self.points)
                           for focal in _FOCALS),
                          key=lambda guess: np.median(np.abs(self.residuals(guess))))
-        best = min(map(self.solved, guesses[:2]), key=lambda result: result.cost)
+        best, _ = min(map(self.solved, guesses[:2]), key=lambda found: found[1])
         plain = self._refined(best, False)
-        flawed = self._refined(self.solved(plain[0], 1.0, True), True)
+        flawed = self._refined(self.solved(plain[0], 1.0, True)[0], True)
         return min((plain, flawed), key=lambda fit: self._left(fit[0]) / _EXPLAINS[fit[2]])
 
-    def _refined(self, best, flawed):
-        """:meth:`searched` from the result ``best``; the prior's weight follows the residual.
+    def _refined(self, vector, flawed):
+        """:meth:`searched` from a fit ``vector``; the prior's weight follows the residual.
         """
         prior = 1.0
         for _ in range(_ROUNDS):
-            now = float(np.clip(self._left(best.x) / (_LEFT * self.size[0]), _MIN_PRIOR.min(), 1.0))
+            # Rounded: the last digits of a fit differ from machine to machine.
+            weight = 2.0**(np.rint(_GRAIN * np.log2(self._left(vector) / (_LEFT * self.size[0])))
+                           / _GRAIN)
+            now = float(np.clip(weight, _MIN_PRIOR.min(), 1.0))
             if not now < _SETTLED * prior:
                 break
-            prior, best = now, self.solved(best.x, now, flawed)
-        return best.x, prior, flawed
+            prior, (vector, _) = now, self.solved(vector, now, flawed)
+        return vector, prior, flawed
 
     def _left(self, vector):
         """Median residual on one axis, in pixels."""

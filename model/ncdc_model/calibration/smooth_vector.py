@@ -4,16 +4,15 @@ In this order: focal length, centre, k, p and its higher terms, s0 and s2, tilt 
 aspect of its pixels, ratio of the target's distances, then six numbers a photo.
 """
 
-from functools import lru_cache
 from types import SimpleNamespace
 
+import cv2
 import numpy as np
-from scipy.spatial.transform import Rotation
 
 from ncdc_model.lens import AsymmetricSurface, BrownWeng, Camera, Frame, KannalaBrandt, TiltedSensor
 
-__all__ = ["FLAWS", "LENS", "MAX_RATIO", "TERMS", "camera_of", "guess", "lens_of", "planes_of",
-           "project", "tilt_matrix"]
+__all__ = ["FLAWS", "LENS", "MAX_RATIO", "TERMS", "camera_of", "crosses", "guess", "lens_of",
+           "planes_of", "project"]
 
 TERMS = 4              # of the radial polynomial
 LENS = 3 + TERMS + 4 + 2 + 2 + 1 + 1      # parameters of the lens
@@ -21,12 +20,6 @@ LENS = 3 + TERMS + 4 + 2 + 2 + 1 + 1      # parameters of the lens
 FLAWS = np.isin(np.arange(LENS), [5 + TERMS, 6 + TERMS, *range(9 + TERMS, 12 + TERMS)])
 
 MAX_RATIO = 0.15, 0.10   # differences of the pixels' aspect and the target's ratio from 1
-
-
-@lru_cache(maxsize=64)
-def tilt_matrix(about_x, about_y):
-    """Homography (3, 3) onto a sensor that is tilted by two angles in radians."""
-    return TiltedSensor((about_x, about_y)).matrix
 
 
 def lens_of(vector):
@@ -42,10 +35,22 @@ def lens_of(vector):
 def planes_of(vector):
     """Planes (photos, 3, 3) of a vector: they take (column, row, 1) to a direction."""
     poses = vector[LENS:].reshape(-1, 6)
-    planes = Rotation.from_rotvec(poses[:, :3]).as_matrix()
+    angle, cross = crosses(poses[:, :3])
+    planes = (np.eye(3) + np.sin(angle) / angle * cross
+              + (1 - np.cos(angle)) / angle**2 * (cross @ cross))
     planes[:, :, 1] *= _ratio(vector[LENS - 1], MAX_RATIO[1])
     planes[:, :, 2] = poses[:, 3:]
     return planes
+
+
+def crosses(turns):
+    """Angles (n, 1, 1) of rotation vectors (n, 3), at least a tiny one, and the matrices (n, 3, 3)
+    of their cross products."""
+    x, y, z = turns.T
+    cross = np.zeros((len(turns), 3, 3))
+    cross[:, 0, 1], cross[:, 0, 2], cross[:, 1, 2] = -z, y, -x
+    return (np.maximum(np.sqrt((turns * turns).sum(axis=1)), 1e-9)[:, None, None],
+            cross - cross.swapaxes(1, 2))
 
 
 def _ratio(value, limit):
@@ -108,4 +113,4 @@ def _pose(index, flat):
     third = np.cross(first, second) / scale
     left, _, right = np.linalg.svd(np.column_stack([first, second, third]))
     turn = left @ np.diag([1, 1, np.linalg.det(left @ right)]) @ right
-    return np.concatenate([Rotation.from_matrix(turn).as_rotvec(), shift / scale])
+    return np.concatenate([cv2.Rodrigues(turn)[0].ravel(), shift / scale])

@@ -6,7 +6,6 @@ from functools import cached_property
 import numpy as np
 
 from ncdc_model.lens.inverse import planar_inverse
-from ncdc_model.lens.pinhole import rotation
 
 __all__ = ["AsymmetricSurface", "BrownWeng", "TiltedSensor"]
 
@@ -67,10 +66,15 @@ class TiltedSensor:
     @cached_property
     def matrix(self):
         """3x3 homography from the parallel to the tilted sensor."""
-        about_x, about_y = rotation(self.angles[0], 0, 0), rotation(0, self.angles[1], 0)
-        turn = about_y @ about_x
-        onto = np.array([[turn[2, 2], 0, -turn[0, 2]], [0, turn[2, 2], -turn[1, 2]], [0, 0, 1]])
-        return onto @ turn
+        (ca, cb), (sa, sb) = np.cos(self.angles), np.sin(self.angles)
+        return np.array([[ca, 0, 0], [-sa * sb, cb, 0], [sb, -cb * sa, cb * ca]])
+
+    @property
+    def changes(self):
+        """Derivatives (2, 3, 3) of the matrix by both angles."""
+        (ca, cb), (sa, sb) = np.cos(self.angles), np.sin(self.angles)
+        return np.array([[[-sa, 0, 0], [-ca * sb, 0, 0], [0, -cb * ca, -cb * sa]],
+                         [[0, 0, 0], [-sa * cb, -sb, 0], [cb, sb * sa, -sb * ca]]])
 
     def distort(self, x, y):
         """Point on the tilted sensor of a point on the parallel one."""
