@@ -54,7 +54,7 @@ def write_image(path, image):
     image = np.asarray(image)
     check_suffix(path)
     try:
-        picture = image[:, :, ::-1] if image.ndim == 3 else image
+        picture = cv2.cvtColor(image, cv2.COLOR_RGB2BGR) if image.ndim == 3 else image
         content = cv2.imencode(Path(path).suffix, picture)[1]
     except cv2.error as error:
         raise InputError(f"cannot write {path}: {error.err}") from error

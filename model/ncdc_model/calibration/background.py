@@ -2,9 +2,8 @@
 
 import cv2
 import numpy as np
-from scipy.ndimage import map_coordinates
-from scipy.sparse import coo_matrix
-from scipy.sparse.csgraph import connected_components
+
+from ncdc_model.calibration.sampling import bilinear
 
 __all__ = ["contrast", "on_one_background"]
 
@@ -57,9 +56,7 @@ def on_one_background(image, photo):
         same &= low >= _STEP * high
         pairs.append(np.stack([cell[one][same], cell[other][same]]))
     first, second = np.hstack(pairs)
-    count = int(whole.sum())
-    _, part = connected_components(coo_matrix((np.ones(len(first)), (first, second)),
-                                              shape=(count, count)), directed=False)
+    part = _parts(first, second, int(whole.sum()))
     sizes = np.bincount(part)
     main = sizes.argmax()
     drop, inside = np.zeros((2, len(photo.index)), bool)
@@ -71,9 +68,21 @@ def on_one_background(image, photo):
     return photo.without(drop, _REASON)
 
 
+def _parts(first, second, count):
+    """Part (count,) of each node of a graph with edges from ``first`` to ``second`` (n,): the
+    smallest number of a node in it."""
+    part, before = np.arange(count), None
+    while not np.array_equal(part, before):
+        before, least = part.copy(), np.minimum(part[first], part[second])
+        for end in (first, second):
+            np.minimum.at(part, end, least)
+        part = part[part]
+    return part
+
+
 def _brightness(image, positions):
     """Brightness (n,) of the picture, blurred over 4x4 pixels, at ``positions`` (n, 2)."""
     grey = image if image.ndim == 2 else cv2.cvtColor(image, cv2.COLOR_RGB2GRAY)
     smooth = cv2.blur(grey, (4, 4)).astype(np.float32)
     smooth += 1
-    return map_coordinates(smooth, [positions[:, 1], positions[:, 0]], order=1, mode="nearest")
+    return bilinear(smooth, positions)

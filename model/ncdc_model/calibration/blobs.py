@@ -4,7 +4,8 @@ from dataclasses import dataclass
 
 import cv2
 import numpy as np
-from scipy.spatial import cKDTree
+
+from ncdc_model.nearest import Nearest
 
 __all__ = ["Blobs", "find_blobs", "flat_field"]
 
@@ -75,7 +76,7 @@ def find_blobs(image):
     if len(first.xy) < 9:
         return first
     typical = np.median(first.area)
-    distance = cKDTree(first.xy).query(first.xy, 2)[0][:, 1]
+    distance = Nearest(first.xy).query(first.xy, 2)[0][:, 1]
     # Noise inside a large dot would break its edge up.
     smooth = cv2.GaussianBlur(flat, (0, 0), max(0.7, 0.1 * np.sqrt(typical)))
     del flat

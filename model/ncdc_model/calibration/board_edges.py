@@ -1,7 +1,8 @@
 """Checks a lattice of corners by the edges between them, and reads it along the squares."""
 
 import numpy as np
-from scipy.ndimage import map_coordinates
+
+from ncdc_model.calibration.sampling import bilinear
 
 __all__ = ["are_squares", "on_edges", "readings"]
 
@@ -38,8 +39,7 @@ def are_squares(picture, index, xy):
     if len(set(signs)) < 2:
         return False
     spots, signs = np.array(spots), np.array(signs)
-    values = map_coordinates(picture, [spots[..., 1], spots[..., 0]], order=1, mode="nearest",
-                             output=np.float32)
+    values = bilinear(picture, spots)
     bright, dark = (np.median(values[signs == sign, 0]) for sign in (1, -1))
     side = (values - (bright + dark) / 2) * signs[:, None] * np.sign(bright - dark)
     return bool((side[:, 1:] > 0).mean() >= _FILLED)
@@ -68,8 +68,7 @@ def on_edges(picture, index, xy):
     step = xy[second] - xy[first]
     aside = _ASIDE * np.stack([-step[:, 1], step[:, 0]], axis=1)
     along = xy[first] + _ALONG[:, None, None] * step
-    ends = [map_coordinates(picture, [at[..., 1], at[..., 0]], order=1, mode="nearest",
-                            output=np.float32) for at in (along + aside, along - aside)]
+    ends = [bilinear(picture, at) for at in (along + aside, along - aside)]
     # The black side changes from edge to edge, and from columns to rows.
     sign = np.where((index[first].sum(axis=1) + axis) % 2, 1, -1)
     differ = (ends[0] - ends[1]) * sign

@@ -4,13 +4,13 @@ from dataclasses import replace
 
 import cv2
 import numpy as np
-from scipy.spatial import cKDTree
 
 from ncdc_model.calibration.boards import find_boards, grey_picture
 from ncdc_model.calibration.outliers import without_outliers
 from ncdc_model.calibration.points import PhotoPoints
 from ncdc_model.calibration.sampling import sample
 from ncdc_model.calibration.subpixel import refine
+from ncdc_model.nearest import Nearest
 from ncdc_spec.errors import InputError
 
 __all__ = ["find_any_charuco", "find_charuco", "has_markers"]
@@ -81,7 +81,7 @@ def _numbered(image, index, xy, size, boards):
     """
     best, votes, met = None, 0, 0
     for board in boards:
-        away, nearest = cKDTree(board.xy).query(xy)
+        away, nearest = (part[:, 0] for part in Nearest(board.xy).query(xy))
         same = away < _SAME * _step(board)
         if same.sum() < _AGREEING:
             continue
@@ -126,7 +126,7 @@ def _completed(image, board, index, xy):
 
 def _step(board):
     """Distance of neighbouring corners, pixels."""
-    distance, _ = cKDTree(board.xy).query(board.xy, 2)
+    distance, _ = Nearest(board.xy).query(board.xy, 2)
     return float(np.median(distance[:, 1]))
 
 

@@ -4,10 +4,10 @@ from dataclasses import dataclass
 
 import cv2
 import numpy as np
-from scipy.ndimage import map_coordinates
 
 from ncdc_model.calibration.board_edges import are_squares, on_edges, readings
 from ncdc_model.calibration.lattice import find_lattices
+from ncdc_model.calibration.sampling import bilinear
 from ncdc_model.calibration.subpixel import refine
 
 __all__ = ["CornerLattice", "check_squares", "find_corner_lattices"]
@@ -119,8 +119,8 @@ def _cornerlike(smooth, positions, radius):
     turns = 2 * np.pi * np.arange(_TURN) / _TURN
     ring = radius * np.stack([np.cos(turns), np.sin(turns)], axis=1)
     at = positions[:, None] + ring
-    values = _sample(smooth, at)
-    middle = _sample(smooth, positions)
+    values = bilinear(smooth, at)
+    middle = bilinear(smooth, positions)
     low, high = np.percentile(values, (10, 90), axis=1)
     level = (middle - low) / np.maximum(high - low, 1e-6)
     off = values - values.mean(axis=1, keepdims=True)
@@ -135,10 +135,6 @@ def _cornerlike(smooth, positions, radius):
         contrast = (high - low) / np.maximum(high + low, 8)
         good &= contrast > _CONTRAST * np.percentile(contrast[good], 90)
     return good
-
-
-def _sample(picture, at):
-    return map_coordinates(picture, [at[..., 1], at[..., 0]], order=1, mode="nearest")
 
 
 def check_squares(picture, index, xy):
@@ -169,7 +165,7 @@ def check_squares(picture, index, xy):
     for a, b in ((s, s), (r, s), (1 - r, s), (s, r), (s, 1 - r)):
         weights = (1 - a) * (1 - b), a * (1 - b), a * b, (1 - a) * b
         spots.append(sum(w * np.nan_to_num(corner) for w, corner in zip(weights, corners)))
-    values = _sample(picture, np.stack(spots, axis=2))
+    values = bilinear(picture, np.stack(spots, axis=2))
     middle = np.where(whole, np.median(values, axis=2), np.nan)
     i, j = np.indices(whole.shape)
     sign = np.where((i + j) % 2, 1, -1)

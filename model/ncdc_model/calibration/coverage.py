@@ -2,9 +2,10 @@
 
 from collections import Counter
 
+import cv2
 import numpy as np
-from scipy import ndimage
-from scipy.spatial import cKDTree
+
+from ncdc_model.nearest import Nearest
 
 __all__ = ["uncovered"]
 
@@ -49,8 +50,8 @@ def numbered(index, xy, more):
     """
     numbers, positions = index.astype(float), xy.copy()
     result = np.full((len(more), 2), -10**6)
-    for k in np.argsort(cKDTree(xy).query(more)[0]) if len(more) and len(xy) >= 6 else ():
-        near = cKDTree(positions).query(more[k], 6)[1]
+    for k in np.argsort(Nearest(xy).query(more)[0][:, 0]) if len(more) and len(xy) >= 6 else ():
+        near = Nearest(positions).query(more[k], 6)[1][0]
         terms = np.column_stack([positions[near] - more[k], np.ones(6)])
         number = np.rint(np.linalg.lstsq(terms, numbers[near], rcond=1e-6)[0][2])
         result[k] = number
@@ -93,12 +94,12 @@ def _regions(head, index, xy):
     for axis in (0, 1):
         before = np.logical_or.accumulate(there, axis=axis)
         inside &= before & np.flip(np.logical_or.accumulate(np.flip(there, axis), axis=axis), axis)
-    labels, count = ndimage.label(inside & ~there)
+    count, labels = cv2.connectedComponents((inside & ~there).view(np.uint8), connectivity=4)
     found = []
-    for number in range(1, count + 1):
+    for number in range(1, count):
         positions = np.argwhere(labels == number) + origin
         if len(positions) >= max(_REGION, _LARGE * inside.sum()):
-            near = cKDTree(index).query(positions, 3)[1].ravel()
+            near = Nearest(index).query(positions, 3)[1].ravel()
             found.append(f"{head}a region of {len(positions)} positions of the lattice has no "
                          f"point, around {_spot(xy[near])}, columns {positions[:, 0].min()} to "
                          f"{positions[:, 0].max()}, rows {positions[:, 1].min()} to "

@@ -3,7 +3,6 @@
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.spatial import cKDTree
 
 from ncdc_model.calibration.background import contrast, on_one_background
 from ncdc_model.calibration.blobs import Blobs, find_blobs
@@ -15,6 +14,7 @@ from ncdc_model.calibration.neighbours import OutlierReason, fits_in
 from ncdc_model.calibration.outliers import location_text, split_at_kinks, without_outliers
 from ncdc_model.calibration.patch_consistency import consistent_patches
 from ncdc_model.calibration.points import PhotoPoints
+from ncdc_model.nearest import Nearest
 from ncdc_spec.errors import InputError
 
 __all__ = ["Spots", "dots_of", "find_dots", "find_spots"]
@@ -154,9 +154,9 @@ def dots_of(spots, image):
 
 def _join(page, other):
     """Whether two lattices of dots lie no farther apart than their own dots do."""
-    tree = cKDTree(page.xy)
+    tree = Nearest(page.xy)
     step = np.median(tree.query(page.xy, 2)[0][:, 1])
-    return bool((tree.query(other.xy)[0] < _NEXT * step).sum() >= 3)
+    return bool((tree.query(other.xy)[0][:, 0] < _NEXT * step).sum() >= 3)
 
 
 def _supported(page):
@@ -189,5 +189,5 @@ def _without(cut, recovered, area):
     """How many of the blobs ``cut`` by the border are not one of the ``recovered`` dots."""
     if not len(cut) or not len(recovered):
         return len(cut)
-    distance, _ = cKDTree(recovered).query(cut)
-    return int((distance > np.sqrt(np.percentile(area, 90))).sum())
+    distance, _ = Nearest(recovered).query(cut)
+    return int((distance[:, 0] > np.sqrt(np.percentile(area, 90))).sum())

@@ -4,9 +4,9 @@ from dataclasses import replace
 
 import cv2
 import numpy as np
-from scipy.ndimage import map_coordinates
 
 from ncdc_model.calibration.neighbours import neighbours
+from ncdc_model.calibration.sampling import bilinear
 from ncdc_model.calibration.subpixel import edge_blur, gaps
 
 __all__ = ["dot_blur", "part_out_of_focus", "with_focus"]
@@ -69,8 +69,7 @@ def dot_blur(grey, photo):
     first, second = photo.xy[pairs[:, 0]], photo.xy[pairs[:, 1]]
     part = np.linspace(0, 0.5, _SAMPLES)[:, None, None]
     at = first + part * (second - first)
-    values = map_coordinates(cv2.GaussianBlur(grey, (0, 0), 0.7), [at[..., 1], at[..., 0]],
-                             output=np.float32, order=1, mode="nearest")
+    values = bilinear(cv2.GaussianBlur(grey, (0, 0), 0.7), at)
     pixels = np.linalg.norm(second - first, axis=1) * 0.5 / (_SAMPLES - 1)
     slope = np.abs(values[2:] - values[:-2]).max(axis=0) / (2 * pixels)
     soft = np.ptp(values, axis=0) / np.sqrt(2 * np.pi) / np.maximum(slope, 1e-6)

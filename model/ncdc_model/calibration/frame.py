@@ -3,13 +3,13 @@
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.spatial import cKDTree
 
 from ncdc_model.calibration.quality import Dropped, check_share
 from ncdc_model.calibration.same_relief import proven
 from ncdc_model.calibration.smooth import MIN_POINTS, fit_smooth
 from ncdc_model.calibration.target_flatness import find_relief
 from ncdc_model.lens import Camera, choose_frame
+from ncdc_model.nearest import Nearest
 from ncdc_model.threads import one_thread
 from ncdc_spec.errors import InputError
 
@@ -216,7 +216,7 @@ def _pairs(fitted, frame, rejected):
 
 def _distance_from_neighbours(index, residual):
     """Distance of each point's residual from the median of its eight nearest neighbours'."""
-    nearest = cKDTree(index).query(index, min(9, len(index)))[1][:, 1:]
+    nearest = Nearest(index).query(index, min(9, len(index)))[1][:, 1:]
     return np.linalg.norm(residual - np.median(residual[nearest], axis=1), axis=1)
 
 

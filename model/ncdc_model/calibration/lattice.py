@@ -3,7 +3,8 @@
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.spatial import cKDTree
+
+from ncdc_model.nearest import Nearest
 
 __all__ = ["Lattice", "find_lattices"]
 
@@ -56,11 +57,11 @@ def find_lattices(xy, middle, most=3):
 
 def _largest_walk(xy, middle):
     """Numbers {(i, j): point} of the longest of the walks from several points."""
-    tree, best, crosses = cKDTree(xy), {}, 0
-    near = tree.query(middle, min(_SEEDS, len(xy)))[1]
+    tree, best, crosses = Nearest(xy), {}, 0
+    near = tree.query(middle, min(_SEEDS, len(xy)))[1][0]
     spread = np.random.default_rng(1).permutation(len(xy))[:_SPREAD]
     tried = np.zeros(len(xy), bool)
-    for number, seed in enumerate(np.concatenate([np.atleast_1d(near), spread])):
+    for number, seed in enumerate(np.concatenate([near, spread])):
         if tried[seed] or len(best) > 0.5 * len(xy):
             continue
         # Points near the middle come first; that is enough if the walk is long.
@@ -80,7 +81,7 @@ def _largest_walk(xy, middle):
 
 def _first_steps(xy, tree, seed):
     """Step vectors right and down at point ``seed``, or None without neighbours on four sides."""
-    _, near = tree.query(xy[seed], min(9, len(xy)))
+    near = tree.query(xy[seed], min(9, len(xy)))[1][0]
     vectors = xy[near[1:]] - xy[seed]
     first = vectors[0]
     # The second direction: the nearest neighbour well off the line of the first one.
@@ -96,7 +97,7 @@ def _first_steps(xy, tree, seed):
     sizes = np.linalg.norm([right, right, down, down], axis=1)
     ends = xy[seed] + np.array([right, -right, down, -down])
     distance, _ = tree.query(ends)
-    return (right, down) if (distance < _CROSS * sizes).all() else None
+    return (right, down) if (distance[:, 0] < _CROSS * sizes).all() else None
 
 
 def _walk(xy, tree, seed, right, down):
@@ -114,7 +115,7 @@ def _walk(xy, tree, seed, right, down):
                         continue
                     steps = frame[key]
                     expected = _expected(xy, found, target, xy[found[key]] + sign * steps[axis])
-                    distance, point = tree.query(expected)
+                    distance, point = tree.nearest(expected)
                     if point in used or not _near(steps, xy[point] - expected):
                         continue
                     found[target] = point

@@ -4,8 +4,8 @@ import warnings
 from dataclasses import dataclass
 from enum import Enum
 
+import cv2
 import numpy as np
-from scipy import ndimage
 
 __all__ = ["NeighbourCheck", "OutlierReason", "check_neighbours", "displaced", "fits_in",
            "neighbours", "parts"]
@@ -172,7 +172,7 @@ def parts(index, xy):
     smooth = kink <= limit
     there = np.zeros(window.grid.shape, bool)
     there[tuple(window.index[smooth].T)] = True
-    labels, _ = ndimage.label(there)
+    _, labels = cv2.connectedComponents(there.view(np.uint8), connectivity=4)
     return np.where(smooth, labels[tuple(window.index.T)] - 1, -1)
 
 
@@ -217,12 +217,12 @@ class _Window:
         """Which points belong to the largest part of ``keep``; a gap of one point joins."""
         there = np.zeros(self.grid.shape, bool)
         there[tuple(self.index[keep].T)] = True
-        wide = ndimage.binary_dilation(there, np.ones((2, 2)))
-        labels, count = ndimage.label(wide)
-        if count < 2:
+        wide = cv2.dilate(there.view(np.uint8), np.ones((2, 2), np.uint8), anchor=(0, 0))
+        count, labels = cv2.connectedComponents(wide, connectivity=4)
+        if count < 3:       # the gaps have a label too
             return keep
         mine = labels[tuple(self.index.T)]
-        sizes = np.bincount(mine[keep], minlength=count + 1)
+        sizes = np.bincount(mine[keep], minlength=count)
         return keep & (mine == sizes.argmax())
 
 

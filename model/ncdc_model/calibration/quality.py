@@ -3,10 +3,10 @@
 from enum import Enum
 
 import numpy as np
-from scipy.spatial import cKDTree
 
 from ncdc_model.calibration.coverage import uncovered
 from ncdc_model.calibration.seams import find_seam, seam_text
+from ncdc_model.nearest import Nearest
 
 __all__ = ["Dropped", "check_share", "uneven", "warnings_of"]
 
@@ -107,7 +107,7 @@ def uneven(points, frame):
     if points.page == "flat" or rms <= limit * (1 if len(frame.names) == 1 else _UNEVEN_MANY):
         return []
     # A single wrong point is no bend: take the median of the points around each.
-    near = cKDTree(frame.distorted).query(frame.distorted, min(_AROUND, len(rest)))[1]
+    near = Nearest(frame.distorted).query(frame.distorted, min(_AROUND, len(rest)))[1]
     off = np.linalg.norm(np.median(rest[near], axis=1), axis=1)
     (x, y), worst = frame.distorted[off.argmax()], off.max()
     done = "after its relief was taken off, " if frame.relief.any() else ""

@@ -2,7 +2,8 @@
 
 import cv2
 import numpy as np
-from scipy.ndimage import map_coordinates
+
+from ncdc_model.calibration.sampling import bilinear
 
 __all__ = ["edge_blur", "gaps", "refine"]
 
@@ -95,9 +96,7 @@ def _saddles(light, xy, sigma):
         is_saddle = np.ones(len(at), bool)
         offset = scale * np.stack([i, j], axis=1)
         for _ in range(_STEPS):
-            spots = at[:, None] + offset
-            values = map_coordinates(smooth, [spots[..., 1], spots[..., 0]], order=1,
-                                     mode="nearest")
+            values = bilinear(smooth, at[:, None] + offset)
             _, gx, gy, xx, half, yy = (values @ fit.T).T
             det = 4 * xx * yy - half * half
             is_saddle &= det < 0
@@ -122,8 +121,7 @@ def edge_blur(grey, xy, gap):
 def _blur_on_ring(smooth, xy, radius):
     turns = 2 * np.pi * np.arange(_SAMPLES) / _SAMPLES
     at = xy[:, None] + radius[..., None] * np.stack([np.cos(turns), np.sin(turns)], axis=1)
-    ring = map_coordinates(smooth, [at[..., 1], at[..., 0]], output=np.float32, order=1,
-                           mode="nearest")
+    ring = bilinear(smooth, at)
     low, high = np.percentile(ring, (10, 90), axis=1)
     bright = ring > ((low + high) / 2)[:, None]
     crossing = bright != np.roll(bright, 1, axis=1)

@@ -4,8 +4,8 @@ from dataclasses import dataclass
 
 import cv2
 import numpy as np
-from scipy.spatial import cKDTree
 
+from ncdc_model.nearest import Nearest
 from ncdc_spec.geometry import ValidRows
 
 __all__ = ["Calibrated", "Masks", "REACH", "connected", "grid_pitch", "grown", "lost_pixels",
@@ -87,7 +87,7 @@ def grid_pitch(photos):
     ``photos``: sequence of (u, v), the corrected pixels of each photo's points. Photos count
     separately because the points of two may be close together. The pitch of one point is 0.
     """
-    nearest = [cKDTree(np.stack([u, v], axis=1)).query(np.stack([u, v], axis=1), 2)[0][:, 1]
+    nearest = [Nearest(np.stack([u, v], axis=1)).query(np.stack([u, v], axis=1), 2)[0][:, 1]
                for u, v in photos if len(u) > 1]
     return float(np.median(np.concatenate(nearest))) if nearest else 0.0
 

@@ -85,7 +85,8 @@ def _channels(image, may_be_grey):
         return image.reshape(image.shape[:2])
     if image.shape[2] == 2:
         return np.ascontiguousarray(image[:, :, 0])
-    blue, green, red = (image[:, :, k] for k in range(3))
-    if may_be_grey and np.array_equal(blue, green) and np.array_equal(green, red):
-        return np.ascontiguousarray(green)
-    return np.ascontiguousarray(image[:, :, 2::-1])
+    if may_be_grey:
+        blue, green, red = cv2.split(image)[:3]
+        if np.array_equal(blue, green) and np.array_equal(green, red):
+            return green
+    return cv2.cvtColor(image, cv2.COLOR_BGR2RGB if image.shape[2] == 3 else cv2.COLOR_BGRA2RGB)
