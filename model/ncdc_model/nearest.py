@@ -11,6 +11,7 @@ __all__ = ["Nearest"]
 
 _IN_CELL = 2           # points, in the mean
 _BLOCK = 4096          # positions at a time: bounds the memory
+_FEW = 1 << 15         # pairs of a position and a point: all distances take less time
 
 
 class Nearest:
@@ -43,6 +44,8 @@ class Nearest:
         distance, number : ndarray, shape (m, count)
         """
         positions = np.asarray(positions, np.float64).reshape(-1, 2)
+        if len(positions) * len(self._points) < _FEW:
+            return _smallest(((self._points - positions[:, None])**2).sum(axis=2), count)
         distance, number = np.empty((len(positions), count)), np.empty((len(positions), count), int)
         for start in range(0, len(positions), _BLOCK):
             left = np.arange(start, min(start + _BLOCK, len(positions)))
@@ -100,12 +103,17 @@ class Nearest:
         number = np.zeros(square.shape, np.intp)
         number[owner, slot] = self._order[flat]
         square[owner, slot] = ((self._points[self._order[flat]] - positions[owner])**2).sum(axis=1)
-        best = np.argpartition(square, count - 1, axis=1)[:, :count]
-        best = np.take_along_axis(best, np.take_along_axis(square, best, 1).argsort(axis=1), 1)
-        distance = np.sqrt(np.take_along_axis(square, best, 1))
+        distance, best = _smallest(square, count)
         sure = (distance[:, -1] <= reach * self._size) | (reach >= self._shape.max())
         return distance, np.take_along_axis(number, best, 1), sure
 
     def _cells(self, positions):
         """Columns and rows (m, 2) of the cells nearest to ``positions`` (m, 2)."""
         return np.clip((positions - self._low) / self._size, 0, self._shape - 1).astype(np.intp)
+
+
+def _smallest(square, count):
+    """Roots of the smallest numbers, ascending, of each row, and their columns."""
+    best = np.argpartition(square, count - 1, axis=1)[:, :count]
+    best = np.take_along_axis(best, np.take_along_axis(square, best, 1).argsort(axis=1), 1)
+    return np.sqrt(np.take_along_axis(square, best, 1)), best

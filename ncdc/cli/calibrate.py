@@ -2,7 +2,7 @@
 
 import sys
 from dataclasses import replace
-from functools import cache, partial
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -21,7 +21,7 @@ from ncdc.terminal import Progress, say
 from ncdc_model.calibration.detect import detect_points
 from ncdc_model.calibration.frame import ideal_frame
 from ncdc_model.calibration.measure import measure_smooth
-from ncdc_model.calibration.overlay import draw_points
+from ncdc_model.calibration.overlay import Backdrop, draw_on
 from ncdc_model.calibration.quality import Dropped, warnings_of
 from ncdc_model.images import write_image
 from ncdc_spec.errors import InputError
@@ -29,6 +29,7 @@ from ncdc_spec.errors import InputError
 __all__ = ["EXAMPLE", "add_arguments", "judged", "run"]
 
 _LENS, _DRAWN = 0.7, 0.9    # parts of the work done before the lens, and before the pictures
+_KEPT = 96 << 20            # bytes of pictures to draw on
 _LISTED = 20                # dropped points that are printed
 
 EXAMPLE = "ncdc calibrate left*.jpg --target chessboard:9x6 -o points.json"
@@ -61,10 +62,8 @@ def run(args) -> None:
     elif not args.photos:
         raise InputError("no photo is given: files, a folder, or --live camera:0 are needed")
     args.photos = photos_of(args.photos)
-    progress, picture = Progress("calibrate"), partial(_picture, args, _once())
-    if len(args.photos) == 1:
-        picture = cache(picture)        # several would not fit in the memory
-    points = replace(detect_points(_photos(args, progress, picture), args.target),
+    progress, photos = Progress("calibrate"), _Photos(args)
+    points = replace(detect_points(photos.readers(progress), args.target),
                      page=args.page or "")
     output = Path(args.output)
     used = [name for name in dict.fromkeys(args.photos) if name not in points.rejected_photos]
@@ -76,7 +75,7 @@ def run(args) -> None:
     points.save(output)
     for number, (name, overlay, photo) in enumerate(zip(used, overlays, points.photos)):
         progress(_DRAWN + (1 - _DRAWN) * number / len(used), f" {overlay}")
-        write_image(overlay, draw_points(picture(name), photo, frame, number))
+        write_image(overlay, draw_on(photos.backdrop(name), photo, frame, number))
     progress(1)
     report = {**_report(points, frame), **live, **measured, **different, "warnings": warnings,
               "points": str(output), "overlays": overlays}
@@ -173,15 +172,36 @@ def _print(report, photos, measured):
     print(f"{report['points']}; look at {first}" + (" and the others" if others else ""))
 
 
-def _photos(args, progress, picture):
-    """The photos, as functions that read them, one after the other, with progress."""
-    for done, name in enumerate(args.photos):
-        progress(_LENS * done / len(args.photos), f" {Path(name).name}")
-        yield name, partial(picture, name)
+class _Photos:
+    """Reads the photos of the command line, which may be too many for the memory.
 
+    Some are kept as the :class:`Backdrop` of their drawing, and a single one whole.
+    """
 
-def _picture(args, warn, name):
-    return read_photo(name, args.raw, args.bits, warn).image
+    def __init__(self, args):
+        self._args, self._warn = args, _once()
+        self._single, self._backdrops, self._free = None, {}, _KEPT
+
+    def readers(self, progress):
+        """Each name with the function that reads it, one after the other, with progress."""
+        for done, name in enumerate(self._args.photos):
+            progress(_LENS * done / len(self._args.photos), f" {Path(name).name}")
+            yield name, partial(self._read, name)
+
+    def backdrop(self, name):
+        """The :class:`Backdrop` of a photo that was read before."""
+        return self._backdrops.get(name) or Backdrop.of(self._read(name))
+
+    def _read(self, name):
+        if self._single is not None:
+            return self._single
+        image = read_photo(name, self._args.raw, self._args.bits, self._warn).image
+        if len(self._args.photos) == 1:
+            self._single = image
+        if name not in self._backdrops and self._free > 0:
+            self._backdrops[name] = Backdrop.of(image)
+            self._free -= self._backdrops[name].picture.nbytes
+        return image
 
 
 def _once():

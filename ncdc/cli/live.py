@@ -45,7 +45,7 @@ def pictures_of_live(args):
     InputError
         If an option or the source is bad, the folder holds files already, or no picture was taken.
     """
-    from ncdc_host.sources import frames_of     # takes a tenth of a second
+    from ncdc_host.sources import frames_of  # takes a tenth of a second
     if args.photos:
         raise InputError(f"--live {args.live} takes its own pictures, {args.photos[0]} is one more")
     if not 1 <= args.pictures <= MAX_PICTURES:
@@ -139,7 +139,7 @@ def compared(frame, previous):
     earlier calibration; both empty without one."""
     if previous is None or frame is None:
         return {}, ""
-    from ncdc_model.compare import difference_from      # takes a third of a second
+    from ncdc_model.compare import difference_from  # takes a third of a second
     found = difference_from(frame.camera, previous)
     return {"difference_px": found}, (
         f"{previous} differs by {found['rms']:.3f} px rms, at most {found['max']:.2f} px at "

@@ -14,8 +14,7 @@ from ncdc_model.calibration.points import PhotoPoints
 from ncdc_model.calibration.subpixel import refine
 from ncdc_spec.errors import InputError
 
-__all__ = ["board_of_size", "find_boards", "find_chessboard",
-           "grey_picture"]
+__all__ = ["board_of_size", "examined", "find_boards", "find_chessboard", "grey_picture"]
 
 _ENOUGH = 12           # corners of a part of a board
 _SCALE = 2.0           # pixels: blur at which OpenCV finds corners
@@ -23,15 +22,16 @@ _LARGEST = 1 << 21     # pixels of a picture that OpenCV searches: it takes 200 
 _COPY = 1_500_000      # pixels of the copy that it searches of a larger one
 
 
-def find_boards(image):
+def find_boards(image, enough=0):
     """All chessboards in the picture, PhotoPoints each, the one with most corners first.
 
-    i grows to the right and j downwards; the smallest of each is 0.
+    i grows to the right and j downwards; the smallest of each is 0. ``enough``: corners of the
+    board that is looked for, if it is known: no further one is looked for.
     """
     grey, boards = grey_picture(image), []
-    for board in find_corner_lattices(grey):
+    for board in find_corner_lattices(grey, enough=enough):
         try:
-            boards.append(_examined(image, grey, _without_outliers(image, board.index, board.xy)))
+            boards.append(examined(image, grey, _without_outliers(image, board.index, board.xy)))
         except InputError:
             pass
     boards = [board for board in boards if len(board.index) >= 9]
@@ -97,7 +97,7 @@ def _without_outliers(image, index, xy):
                                                     area=np.zeros(len(xy))))
 
 
-def _examined(image, grey, board):
+def examined(image, grey, board):
     """``board`` with warnings on focus and exposure."""
     return with_exposure(image, with_focus(grey, board))
 
@@ -158,6 +158,6 @@ def _by_opencv(image, columns, rows):
         return None
     try:
         xy = refine(whole, index, (xy + 0.5) * scale - 0.5, _SCALE * max(scale))
-        return _examined(image, whole, _without_outliers(image, index, xy))
+        return examined(image, whole, _without_outliers(image, index, xy))
     except InputError:
         return None

@@ -5,7 +5,7 @@ from dataclasses import replace
 import cv2
 import numpy as np
 
-from ncdc_model.calibration.boards import find_boards, grey_picture
+from ncdc_model.calibration.boards import examined, find_boards, grey_picture
 from ncdc_model.calibration.outliers import without_outliers
 from ncdc_model.calibration.points import PhotoPoints
 from ncdc_model.calibration.sampling import sample
@@ -31,6 +31,7 @@ _LARGE = 20            # pixels: of markers that large none is missed there
 # Codes of a family that are compared with each quadrangle. A board has numbers from 0 on, so that
 # more are compared only if the numbers found come near their end.
 _CODES = 50, 250, 1024
+_SURE = 12, 0.2        # markers, and parts of the quadrangles: no other family can have more
 _NEAR_END = 0.8
 
 
@@ -38,16 +39,17 @@ def find_charuco(image, columns, rows, boards=None):
     """Inner corners of a board of ``columns`` x ``rows`` squares, as far as they are seen.
 
     The family of the markers and their size are read from the picture. OpenCV numbers corners by
-    the markers next to them, so that part of a board has the numbers of the whole one. The corners
-    are those of the lattice of squares, which must have the same numbers up to a rotation.
+    the markers next to them, so that part of a board has the numbers of the whole one. If some are
+    missing, the corners are those of the lattice of squares, which must have the same numbers up to
+    a rotation.
 
     Parameters
     ----------
     image : ndarray of uint8
     columns, rows : int
         Squares.
-    boards : list of PhotoPoints, optional
-        :func:`ncdc_model.calibration.boards.find_boards` of the picture, if known.
+    boards : callable, optional
+        Gives :func:`ncdc_model.calibration.boards.find_boards` of the picture, if known.
 
     Raises
     ------
@@ -55,7 +57,7 @@ def find_charuco(image, columns, rows, boards=None):
         If fewer than 12 corners are found, or markers of a larger board.
     """
     grey = grey_picture(image)
-    copy, part, (family, corners, ids) = _markers(grey)
+    copy, part, (family, corners, ids) = _markers(grey, columns * rows)
     foreign = ids[ids >= columns * rows // 2]
     if len(foreign) > 1:
         raise InputError(f"it shows markers up to number {int(ids.max())}, a ChArUco board of "
@@ -65,13 +67,21 @@ def find_charuco(image, columns, rows, boards=None):
     if found[0] is not None and len(found[0]):
         index = np.stack([found[1] % (columns - 1), found[1] // (columns - 1)], axis=1)
         xy = refine(grey, index, (found[0] + 0.5) * part - 0.5, _SCALE * part)
-        photo = _numbered(image, index, xy, (columns - 1, rows - 1),
-                          find_boards(image) if boards is None else boards)
+        size = columns - 1, rows - 1
+        photo = (_whole(image, grey, index, xy) if len(xy) == np.prod(size) else
+                 _numbered(image, index, xy, size, boards() if boards else find_boards(image)))
     count = 0 if photo is None else len(photo.index)
     if count < _CORNERS:
         raise InputError(f"{count} corners of a ChArUco board of {columns}x{rows} squares were "
                          f"found, at least {_CORNERS} are needed")
     return photo
+
+
+def _whole(image, grey, index, xy):
+    """PhotoPoints of all corners of a board, without outliers."""
+    order = np.lexsort(index.T)
+    photo = PhotoPoints(index=index[order], xy=xy[order], area=np.zeros(len(xy)))
+    return examined(image, grey, _renumbered_checked(image, photo))
 
 
 def _numbered(image, index, xy, size, boards):
@@ -192,29 +202,29 @@ def _dictionary(family, count=_CODES[-1]):
     return cv2.aruco.Dictionary(whole.bytesList[:count], whole.markerSize, whole.maxCorrectionBits)
 
 
-def _markers(grey):
+def _markers(grey, codes=_CODES[0]):
     """The picture in which markers are found best, how many pixels of ``grey`` one of its pixels
     is wide, and the family, corners and numbers of the markers.
 
     That is a reduced copy, unless the markers there are so small that others may be missed.
+    ``codes``: of a family that are compared first.
     """
     part = -(-max(grey.shape) // _COPY)
     if part > 1:
         copy = cv2.resize(grey[:grey.shape[0] // part * part, :grey.shape[1] // part * part], None,
                           fx=1 / part, fy=1 / part, interpolation=cv2.INTER_AREA)
-        family, corners, _ = found = _seen(copy)
+        family, corners, _ = found = _seen(copy, codes)
         if family and min(cv2.arcLength(corner, True) / 4 for corner in corners) >= _LARGE:
             return copy, part, found
-    return grey, 1, _seen(grey)
+    return grey, 1, _seen(grey, codes)
 
 
-def _seen(grey):
+def _seen(grey, codes):
     """Family, corners and numbers of the markers of the family of which most are seen."""
-    found, fewer = _most(grey, _FAMILIES, _CODES[0]), _CODES[0]
-    for count in _CODES[1:]:
-        if found[0] and found[2].max() < _NEAR_END * fewer:
-            break
-        found, fewer = _most(grey, (found[0],) if found[0] else _FAMILIES, count), count
+    found, fewer = _most(grey, _FAMILIES, codes), codes
+    for count in _CODES:
+        if count > fewer and not (found[0] and found[2].max() < _NEAR_END * fewer):
+            found, fewer = _most(grey, (found[0],) if found[0] else _FAMILIES, count), count
     return found
 
 
@@ -222,9 +232,12 @@ def _most(grey, families, count):
     """:func:`_seen` of some ``families``, by the first ``count`` codes of each."""
     best = None, (), np.empty(0, int)
     for family in families:
-        corners, ids, _ = cv2.aruco.ArucoDetector(_dictionary(family, count)).detectMarkers(grey)
+        corners, ids, rejected = cv2.aruco.ArucoDetector(_dictionary(family, count)).detectMarkers(
+            grey)
         if ids is not None and len(ids) >= max(_MARKERS, len(best[2]) + 1):
             best = family, corners, ids.ravel()
+            if len(ids) >= max(_SURE[0], _SURE[1] * (len(ids) + len(rejected))):
+                break
     return best
 
 

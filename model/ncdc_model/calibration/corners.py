@@ -34,13 +34,14 @@ class CornerLattice:
     scale: float
 
 
-def find_corner_lattices(grey, most=2):
+def find_corner_lattices(grey, most=2, enough=0):
     """Boards, at most ``most``, that the grey picture shows, the one with most corners first.
 
     A corner is a saddle of brightness whose surroundings look the same after half a turn, dark and
     bright twice each, and whose own brightness lies between. Corners are searched for at several
-    scales and numbered like dots. Their squares must alternate between dark and bright. Saddles
-    between round dots do not qualify: they are as bright as the page.
+    scales and numbered like dots, until a board has as many as are ``enough``. Their squares must
+    alternate between dark and bright. Saddles between round dots do not qualify: they are as
+    bright as the page.
 
     Returns
     -------
@@ -54,6 +55,8 @@ def find_corner_lattices(grey, most=2):
         found = _at_scale(small, scale, most)
         if sum(len(board.xy) for board in found) > 1.05 * sum(len(board.xy) for board in best):
             best = found
+        if best and len(best[0].xy) == enough:
+            break
     boards = []
     for board in best:
         xy = (board.xy + 0.5) / shrink - 0.5

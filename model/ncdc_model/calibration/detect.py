@@ -65,7 +65,7 @@ def detect_points(images, target="auto"):
         If ``target`` is not understood or no photo is usable.
     """
     kind, columns, rows = parse_target(target)
-    results, rejected = _results(images, kind)
+    results, rejected = _results(images, kind, (columns, rows))
     choice = ""
     if kind == "auto":
         kind, columns, rows, choice = _agreed(results, rejected)
@@ -94,15 +94,15 @@ def detect_points(images, target="auto"):
                         target_size=None if columns is None else (columns, rows))
 
 
-def _results(images, kind):
+def _results(images, kind, target_size):
     """A :class:`DetectionResult` of each photo, and why some are rejected. With ``auto`` the target
-    of each is recognised."""
+    of each is recognised. ``target_size``: its columns and rows, if known."""
     results, rejected, seen, unread = [], {}, set(), []
     for name, image in images:
         name = f"{name} (again)" if str(name) in seen else str(name)
         seen.add(name)
         try:
-            result = DetectionResult(name, image)
+            result = DetectionResult(name, image, target_size)
         except InputError as error:
             unread.append(error)
             rejected[name] = str(error)

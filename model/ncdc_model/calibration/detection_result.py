@@ -45,10 +45,14 @@ class DetectionResult:
     image : ndarray of uint8, or a function without arguments that returns it
         :meth:`release` drops what the function returned, and it is called again when needed. So
         only one of many photos is in memory.
+    size : (int, int)
+        Columns and rows of the target that is looked for; None each if they are not known.
     """
 
-    def __init__(self, name, image):
+    def __init__(self, name, image, size=(None, None)):
         self.name, self._image = name, None if callable(image) else image
+        self._columns, self._rows = size
+        self._charuco, self._enough = None, 0
         self._read = image if callable(image) else None
         self.target, self.doubt = None, ""
         self.size = self.image.shape[1::-1]
@@ -83,14 +87,26 @@ class DetectionResult:
                 self.page
             except InputError:
                 pass
-        elif kind in ("chessboard", "charuco"):
+        elif kind == "chessboard":
+            self._enough = (self._columns or 0) * (self._rows or 0)
             self.boards
+        elif kind == "charuco":
+            self._prepare_charuco()
         self.release()
+
+    def _prepare_charuco(self):
+        if self._columns is None:
+            self.boards
+            return
+        try:
+            self.charuco(self._columns, self._rows)
+        except InputError:
+            pass
 
     @cached_property
     def boards(self):
         """Chessboards, PhotoPoints each."""
-        return find_boards(self.image)
+        return find_boards(self.image, self._enough)
 
     @cached_property
     def spots(self):
@@ -123,7 +139,9 @@ class DetectionResult:
 
     def charuco(self, columns, rows):
         """The ChArUco board as PhotoPoints."""
-        return find_charuco(self.image, columns, rows, self.boards)
+        if self._charuco is None:
+            self._charuco = find_charuco(self.image, columns, rows, lambda: self.boards)
+        return self._charuco
 
     def _recognise(self):
         many = self.spots.lattices and len(self.spots.lattices[0].index) >= _BOARD_LIKE

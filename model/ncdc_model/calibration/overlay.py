@@ -1,9 +1,11 @@
 """Draws the numbered points over the photo, to make a wrong number visible."""
 
+from dataclasses import dataclass
+
 import cv2
 import numpy as np
 
-__all__ = ["draw_points"]
+__all__ = ["Backdrop", "draw_on", "draw_points"]
 
 _WIDTH = 1280          # pixels: of a photo of twice that or more a reduced copy is drawn on
 _SHIFT = 4             # fraction bits of OpenCV's drawing coordinates
@@ -11,8 +13,39 @@ _ARROW = 0.4           # of the middle step between points: length of an arrow o
 _MAGNIFY = 1, 2, 5, 10, 20, 50, 100, 200, 500
 
 
+@dataclass(frozen=True)
+class Backdrop:
+    """A copy of a photo to draw on.
+
+    Parameters
+    ----------
+    picture : ndarray of uint8, shape (height, width, 3)
+        RGB, paler than the photo, so that the drawing stands out.
+    part : int
+        Pixels of the photo, in a row, that one of its pixels is the mean of.
+    """
+    picture: np.ndarray
+    part: int
+
+    @classmethod
+    def of(cls, image):
+        """Backdrop of a photo, uint8 (h, w) or (h, w, 3)."""
+        part = max(1, image.shape[1] // _WIDTH)
+        if part > 1:
+            image = cv2.resize(image, (image.shape[1] // part, image.shape[0] // part),
+                               interpolation=cv2.INTER_AREA)
+        picture = cv2.LUT(image, (96 + 0.6 * np.arange(256)).astype(np.uint8))
+        return cls(picture if picture.ndim == 3 else cv2.cvtColor(picture, cv2.COLOR_GRAY2RGB),
+                   part)
+
+
 def draw_points(image, photo, frame=None, number=0):
-    """RGB uint8 picture of ``image`` with ``photo``'s points and the lines of their lattice.
+    """:func:`draw_on` the :class:`Backdrop` of the photo ``image``."""
+    return draw_on(Backdrop.of(image), photo, frame, number)
+
+
+def draw_on(backdrop, photo, frame=None, number=0):
+    """RGB uint8 picture of ``backdrop`` with ``photo``'s points and the lines of their lattice.
 
     A line joins the neighbours in a row, in a colour for the row, and likewise those in a column;
     a line that crosses others shows a wrong number. Every point has a dot, hollow where the border
@@ -22,14 +55,7 @@ def draw_points(image, photo, frame=None, number=0):
     dropped points are crossed out. The picture of a photo of 2560 or more pixels a row is a half or
     another whole part of it wide.
     """
-    part = max(1, image.shape[1] // _WIDTH)
-    if part > 1:
-        image = cv2.resize(image, (image.shape[1] // part, image.shape[0] // part),
-                           interpolation=cv2.INTER_AREA)
-    # A paler photo makes the drawing stand out.
-    picture = cv2.LUT(image, (96 + 0.6 * np.arange(256)).astype(np.uint8))
-    if picture.ndim == 2:
-        picture = cv2.cvtColor(picture, cv2.COLOR_GRAY2RGB)
+    picture, part = backdrop.picture.copy(), backdrop.part
     scale = max(1.0, picture.shape[1] / _WIDTH)
     thick = max(1, round(scale))
     position = {tuple(key): point for key, point in
