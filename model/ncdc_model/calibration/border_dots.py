@@ -35,21 +35,23 @@ def recover_cut_dots(image, xy, index, area):
     xy, index, area : ndarray
         The recovered dots only; their indices continue the given ones, so they may be negative.
     """
-    flat = flat_field(image)
     limit = np.array(image.shape[1::-1]) - 0.5
-    whole = {tuple(key): n for n, key in enumerate(index.tolist())}
+    flat, whole = None, {tuple(key): n for n, key in enumerate(index.tolist())}
     position = {key: xy[n] for key, n in whole.items()}
     found, front = {}, list(position)
     while front:
         reached = []
         for key, lines in _expected(position, front):
-            result = _centre(flat, position, whole, area, lines)
+            starts = _starts(position, whole, area, lines)
+            if not starts or not _may_be_cut(starts, limit):
+                continue
+            flat = flat_field(image) if flat is None else flat
+            result = _centre(flat, starts)
             if result is None:
                 continue
             centre, size = result
-            edge = min(centre.min() + 0.5, (limit - centre).min())
             apart = np.linalg.norm(np.array(list(position.values())) - centre, axis=1).min()
-            if 0 <= edge < 1.5 * np.sqrt(size / np.pi) + 2 and apart > np.sqrt(size):
+            if 0 <= _inside(centre, limit) < _reach(size) and apart > np.sqrt(size):
                 position[key], found[key] = centre, size
                 reached.append(key)
         front = reached
@@ -70,23 +72,51 @@ def _expected(position, front):
     return sorted(guesses.items())
 
 
-def _centre(flat, position, whole, area, lines):
-    """Centre and area of the cut dot that ``lines`` lead to, or None."""
-    results, sizes = [], []
+def _starts(position, whole, area, lines):
+    """What each of the ``lines`` that leads to a dot says of it: the whole dot next to it, where it
+    is expected, how far at most from there, the change of shape, and the area of the whole dot."""
+    found = []
     for line in lines:
         first, second, third = (position[key] for key in line)
-        # The third difference along a line of four is zero, as that of a parabola.
-        expected, step = 3 * first - 3 * second + third, first - second
-        if line[0] not in whole:
-            continue
-        size = area[whole[line[0]]]
-        shape = _change(position, line, expected - first)
-        result = _register(flat, first, expected, shape, 1.7 * np.sqrt(size / np.pi) + 1)
-        if result is None or np.linalg.norm(result - expected) > _MOVE * np.linalg.norm(step):
+        if line[0] in whole:
+            # The third difference along a line of four is zero, as that of a parabola.
+            expected = 3 * first - 3 * second + third
+            found.append((first, expected, _MOVE * np.linalg.norm(first - second),
+                          _change(position, line, expected - first), area[whole[line[0]]]))
+    return found
+
+
+def _may_be_cut(starts, limit):
+    """Whether a dot may have its centre in the picture, and be cut by the border."""
+    middle, moved = (np.mean([start[k] for start in starts], axis=0) for k in (1, 2))
+    inside = _inside(middle, limit)
+    return inside + moved >= 0 and inside - moved < _reach(_size(starts))
+
+
+def _inside(centre, limit):
+    """Pixels from ``centre`` to the nearest border, negative outside."""
+    return min(centre.min() + 0.5, (limit - centre).min())
+
+
+def _size(starts):
+    """Area of the cut dot, were it whole."""
+    return float(np.mean([size * np.linalg.det(shape) for _, _, _, shape, size in starts]))
+
+
+def _reach(size):
+    """Pixels from the border within which the centre of a cut dot of area ``size`` lies."""
+    return 1.5 * np.sqrt(max(size, 0) / np.pi) + 2
+
+
+def _centre(flat, starts):
+    """Centre and area of the cut dot that lines lead to, or None."""
+    results = []
+    for model, expected, moved, shape, size in starts:
+        result = _register(flat, model, expected, shape, 1.7 * np.sqrt(size / np.pi) + 1)
+        if result is None or np.linalg.norm(result - expected) > moved:
             return None
         results.append(result)
-        sizes.append(size * np.linalg.det(shape))
-    return (np.mean(results, axis=0), float(np.mean(sizes))) if results else None
+    return np.mean(results, axis=0), _size(starts)
 
 
 def _change(position, line, step):

@@ -41,10 +41,12 @@ def find_lattices(xy, middle, most=3):
     """
     free, found = np.arange(len(xy)), []
     while len(free) >= _SMALL and len(found) < most:
-        best = _largest_walk(xy[free], middle)
+        # Python's complex numbers: single steps of arrays of two take ten times as long.
+        at = (xy[free] @ (1, 1j)).tolist()
+        best = _largest_walk(xy[free], at, middle)
         if len(best) < _SMALL:
             break
-        numbered = _checked(xy[free], best)
+        numbered = _checked(at, best)
         index = np.array(sorted(numbered), int).reshape(-1, 2)
         where = np.array([numbered[tuple(key)] for key in index.tolist()], int)
         walked = np.array(sorted(best.values()), int)
@@ -55,8 +57,11 @@ def find_lattices(xy, middle, most=3):
     return sorted(found, key=lambda lattice: -len(lattice.where))
 
 
-def _largest_walk(xy, middle):
-    """Numbers {(i, j): point} of the longest of the walks from several points."""
+def _largest_walk(xy, at, middle):
+    """Numbers {(i, j): point} of the longest of the walks from several points.
+
+    ``at``: the points ``xy`` (n, 2) as complex numbers.
+    """
     tree, best, crosses = Nearest(xy), {}, 0
     near = tree.query(middle, min(_SEEDS, len(xy)))[1][0]
     spread = np.random.default_rng(1).permutation(len(xy))[:_SPREAD]
@@ -72,7 +77,7 @@ def _largest_walk(xy, middle):
         if steps is None:
             continue
         crosses += 1
-        found = _walk(xy, tree, seed, *steps)
+        found = _walk(at, tree, int(seed), *(step @ (1, 1j) for step in steps))
         tried[list(found.values())] = True
         if len(found) > len(best):
             best = found
@@ -100,10 +105,10 @@ def _first_steps(xy, tree, seed):
     return (right, down) if (distance[:, 0] < _CROSS * sizes).all() else None
 
 
-def _walk(xy, tree, seed, right, down):
+def _walk(at, tree, seed, right, down):
     """Numbers {(i, j): point} of all points that can be reached from ``seed``."""
     found, used = {(0, 0): seed}, {seed}
-    frame = {(0, 0): np.array([right, down])}
+    frame = {(0, 0): (complex(right), complex(down))}
     front = [(0, 0)]
     while front:
         reached = []
@@ -114,29 +119,32 @@ def _walk(xy, tree, seed, right, down):
                     if target in found:
                         continue
                     steps = frame[key]
-                    expected = _expected(xy, found, target, xy[found[key]] + sign * steps[axis])
-                    distance, point = tree.nearest(expected)
-                    if point in used or not _near(steps, xy[point] - expected):
+                    expected = _expected(at, found, target, at[found[key]] + sign * steps[axis])
+                    _, point = tree.nearest((expected.real, expected.imag))
+                    if point in used or not _near(steps, at[point] - expected):
                         continue
                     found[target] = point
                     used.add(point)
                     frame[target] = steps
                     reached.append(target)
         for key in reached:
-            frame[key] = _steps(xy, found, key, frame[key])
+            frame[key] = _steps(at, found, key, frame[key])
         front = reached
     return found
 
 
 def _near(steps, offset):
     """Whether ``offset`` is short, measured in ``steps``."""
-    try:
-        return np.abs(np.linalg.solve(steps.T, offset)).max() < _REACH
-    except np.linalg.LinAlgError:
-        return False
+    right, down = steps
+    return max(abs(_cross(offset, down)), abs(_cross(right, offset))) < _REACH * abs(
+        _cross(right, down))
 
 
-def _expected(xy, found, target, simple):
+def _cross(a, b):
+    return a.real * b.imag - a.imag * b.real
+
+
+def _expected(at, found, target, simple):
     """Where point ``target`` should be: mean of the parallelograms of three neighbours."""
     i, j = target
     guesses = []
@@ -144,22 +152,22 @@ def _expected(xy, found, target, simple):
         for dj in (-1, 1):
             corner = [found.get(key) for key in ((i + di, j), (i, j + dj), (i + di, j + dj))]
             if None not in corner:
-                guesses.append(xy[corner[0]] + xy[corner[1]] - xy[corner[2]])
-    return np.mean(guesses, axis=0) if guesses else simple
+                guesses.append(at[corner[0]] + at[corner[1]] - at[corner[2]])
+    return sum(guesses) / len(guesses) if guesses else simple
 
 
-def _steps(xy, found, key, inherited):
+def _steps(at, found, key, inherited):
     """Step vectors at ``key`` from its numbered neighbours; those of its parent for the rest."""
     i, j = key
-    steps = inherited.copy()
+    steps = list(inherited)
     for axis, (before, after) in enumerate((((i - 1, j), (i + 1, j)), ((i, j - 1), (i, j + 1)))):
         known = [found[k] for k in (before, key, after) if k in found]
         if len(known) > 1:
-            steps[axis] = (xy[known[-1]] - xy[known[0]]) / (len(known) - 1)
-    return steps
+            steps[axis] = (at[known[-1]] - at[known[0]]) / (len(known) - 1)
+    return tuple(steps)
 
 
-def _checked(xy, found):
+def _checked(at, found):
     """``found`` without the points that lie off the line of their neighbours.
 
     The worst is removed first and the rest checked again, so that one stray point does not remove
@@ -167,7 +175,7 @@ def _checked(xy, found):
     steps of the adjacent lines; without those it is removed.
     """
     found = dict(found)
-    scores = {key: _misfit(xy, found, key) for key in found}
+    scores = {key: _misfit(at, found, key) for key in found}
     while scores:
         worst = max(scores, key=scores.get)
         if scores[worst] <= _AGREE:
@@ -178,27 +186,27 @@ def _checked(xy, found):
         # Points up to two columns and rows away affect the check.
         for key in {(i + di, j + dj) for i, j in out for di in range(-2, 3) for dj in range(-2, 3)}:
             if key in found:
-                scores[key] = _misfit(xy, found, key)
+                scores[key] = _misfit(at, found, key)
     return found
 
 
-def _misfit(xy, found, key):
+def _misfit(at, found, key):
     """Largest distance, in steps, of point ``key`` from lines through its neighbours."""
     i, j = key
-    point, worst = xy[found[key]], -1.0
+    point, worst = at[found[key]], -1.0
     for di, dj in ((1, 0), (0, 1)):
         for a, b in ((-1, 1), (1, 2), (-1, -2)):
             first, second = found.get((i + a * di, j + a * dj)), found.get((i + b * di, j + b * dj))
             if first is None or second is None:
                 continue
-            step = (xy[second] - xy[first]) / (b - a)
-            offset = np.linalg.norm(point - xy[first] + a * step) / np.linalg.norm(step)
+            step = (at[second] - at[first]) / (b - a)
+            offset = abs(point - at[first] + a * step) / abs(step) if step else np.inf
             # Extrapolation beyond the end of a line triples the error by the lens's curvature.
             worst = max(worst, offset if (a, b) == (-1, 1) else offset / 3)
-    return worst if worst >= 0 else _lonely_misfit(xy, found, key)
+    return worst if worst >= 0 else _lonely_misfit(at, found, key)
 
 
-def _lonely_misfit(xy, found, key):
+def _lonely_misfit(at, found, key):
     """:func:`_misfit` of a point at the edge that has no two neighbours in a line.
 
     Its step from a neighbour must be that of the adjacent line: at the same position, or one
@@ -212,8 +220,8 @@ def _lonely_misfit(xy, found, key):
                                      key[1] + a * away[1] + b * side[1]))
                           for a, b in ((1, 0), (shift, 1), (shift + 1, 1))]
                 if None not in points:
-                    near, first, second = (xy[point] for point in points)
+                    near, first, second = (at[point] for point in points)
                     step = first - second
-                    offset = np.linalg.norm(near + step - xy[found[key]])
-                    scores.append(offset / np.linalg.norm(step) / allow)
+                    offset = abs(near + step - at[found[key]])
+                    scores.append(offset / abs(step) / allow if step else np.inf)
     return min(scores, default=np.inf)

@@ -1,6 +1,7 @@
 """Draws the numbered points over the photo, to make a wrong number visible."""
 
 from dataclasses import dataclass
+from math import dist
 
 import cv2
 import numpy as np
@@ -58,8 +59,8 @@ def draw_on(backdrop, photo, frame=None, number=0):
     picture, part = backdrop.picture.copy(), backdrop.part
     scale = max(1.0, picture.shape[1] / _WIDTH)
     thick = max(1, round(scale))
-    position = {tuple(key): point for key, point in
-                zip(photo.index.tolist(), (photo.xy + 0.5) / part - 0.5)}
+    position = dict(zip(map(tuple, photo.index.tolist()),
+                        ((photo.xy + 0.5) / part - 0.5).tolist()))
     cut = {tuple(key) for key in photo.index[photo.cut].tolist()}
 
     def fixed(point):
@@ -70,7 +71,7 @@ def draw_on(backdrop, photo, frame=None, number=0):
     for (i, j), point in position.items():
         for key, line in (((i + step, j), j), ((i, j + step), i)):
             if key in position:
-                lengths.append(np.linalg.norm(position[key] - point))
+                lengths.append(dist(position[key], point))
                 cv2.line(picture, fixed(point), fixed(position[key]), _colour(line), thick,
                          cv2.LINE_AA, _SHIFT)
     for (i, j), point in position.items():
@@ -102,16 +103,15 @@ def _residuals(picture, photo, frame, on, position, step, part, fixed):
     magnify = max((value for value in _MAGNIFY if value <= wanted), default=_MAGNIFY[0])
     thick = max(1, round(scale))
     used = {tuple(key) for key in frame.index[on].tolist()}
-    for key, offset in zip(frame.index[on].tolist(), residual / part):
-        start = position[tuple(key)]
-        cv2.arrowedLine(picture, fixed(start), fixed(start + magnify * offset), (0, 0, 0), thick,
+    for key, (dx, dy) in zip(frame.index[on].tolist(), (magnify / part * residual).tolist()):
+        x, y = position[tuple(key)]
+        cv2.arrowedLine(picture, fixed((x, y)), fixed((x + dx, y + dy)), (0, 0, 0), thick,
                         cv2.LINE_AA, _SHIFT, 0.25)
-    for key, point in position.items():
+    for key, (x, y) in position.items():
         if key not in used and not photo.cut[(photo.index == key).all(axis=1)].any():
-            for sign in (1, -1):
-                arm = np.array([4.0, 4.0 * sign]) * scale
-                cv2.line(picture, fixed(point - arm), fixed(point + arm), (230, 0, 0), 2 * thick,
-                         cv2.LINE_AA, _SHIFT)
+            for across, down in ((4 * scale, 4 * scale), (4 * scale, -4 * scale)):
+                cv2.line(picture, fixed((x - across, y - down)), fixed((x + across, y + down)),
+                         (230, 0, 0), 2 * thick, cv2.LINE_AA, _SHIFT)
     text = f"arrows: {magnify} x the distance to the smooth lens, {usual:.2f} px rms"
     height, font = picture.shape[0], cv2.FONT_HERSHEY_SIMPLEX
     (wide, high), below = cv2.getTextSize(text, font, 0.5 * scale, thick)
