@@ -123,7 +123,7 @@ def _blobs(smooth, dark, smallest):
     good[0] = False
     if not good.any():
         return Blobs(np.empty((0, 2)), np.empty(0), _counts(small, good & False), middles[:0])
-    xy, fill = _centres(smooth, labels, good, count, area)
+    xy, fill = _centres(smooth, labels, good, middles, area)
     odd = good & ~((fill > _FILL[0]) & (fill < _FILL[1]))
     keep = good & ~odd
     cut[0] = False
@@ -136,44 +136,61 @@ def _counts(small, odd):
     return {reason: int(which[1:].sum()) for reason, which in reasons.items() if which[1:].any()}
 
 
-def _centres(flat, labels, good, count, area):
+def _centres(flat, labels, good, middles, area):
     """Centroid of the ink and fill of every component; rows of bad components are undefined."""
-    size = int(np.sqrt(np.median(area[good]))) + 2
+    depth, count = _depth(flat, int(np.sqrt(np.median(area[good]))) + 2), len(good)
+    pixels = _Pixels(labels, good, depth)
+    deepest = np.zeros(count, np.float32)
+    np.maximum.at(deepest, pixels.which, pixels.depth)
+    ink = np.clip(pixels.depth - _DARK * deepest[pixels.which], 0, None).astype(np.float64)
+
+    def total(weights, which=pixels.which):
+        return np.bincount(which, weights, count)
+    with np.errstate(all="ignore"):
+        mass = total(ink)
+        centre = np.stack([total(ink * pixels.x) / mass, total(ink * pixels.y) / mass], axis=1)
+        # The fill is that of the flat region itself, as a binary shape.
+        own = pixels.which[pixels.own]
+        dx, dy = pixels.x[pixels.own] - middles[own, 0], pixels.y[pixels.own] - middles[own, 1]
+        ax, ay = (middles - centre).T
+        xx = total(dx * dx, own) / area + ax * ax + 1 / 12
+        yy = total(dy * dy, own) / area + ay * ay + 1 / 12
+        xy = total(dx * dy, own) / area + ax * ay
+        fill = area / (4 * np.pi * np.sqrt(np.maximum(xx * yy - xy * xy, 1e-12)))
+    return centre, fill
+
+
+def _depth(flat, size):
+    """How much darker than the page around it each pixel is; ``size``: of a usual dot, pixels."""
     white = cv2.dilate(flat, np.ones((2 * size + 1,) * 2, np.uint8))
     white = cv2.erode(white, np.ones((size, size), np.uint8))
     white = cv2.blur(white, (2 * size + 1,) * 2)
-    deepest = np.zeros(count, np.float32)
-    for which, rows, columns in _pixels(labels, good, _MARGIN):
-        np.maximum.at(deepest, which, white[rows, columns] - flat[rows, columns])
-    mass, x, y, xx, yy, xy = np.zeros((6, count))
-    for which, rows, columns in _pixels(labels, good, _MARGIN):
-        depth = white[rows, columns] - flat[rows, columns]
-        ink = np.clip(depth - _DARK * deepest[which], 0, None).astype(np.float64)
-        for total, weights in (mass, ink), (x, ink * columns), (y, ink * rows):
-            np.add.at(total, which, weights)
-    with np.errstate(all="ignore"):
-        x, y = x / mass, y / mass
-        # The fill is that of the flat region itself, as a binary shape.
-        for which, rows, columns in _pixels(labels, good, 0):
-            dx, dy = columns - x[which], rows - y[which]
-            for total, weights in (xx, dx * dx), (yy, dy * dy), (xy, dx * dy):
-                np.add.at(total, which, weights)
-        xx, yy, xy = xx / area + 1 / 12, yy / area + 1 / 12, xy / area
-        fill = area / (4 * np.pi * np.sqrt(np.maximum(xx * yy - xy * xy, 1e-12)))
-    return np.stack([x, y], axis=1), fill
+    return np.subtract(white, flat, out=white)
 
 
-def _pixels(labels, good, margin):
-    """Component, row and column of the pixels of the ``good`` components and of free pixels at
-    most ``margin`` pixels away; one strip at a time, in the order of the rows."""
-    number = np.where(good, np.arange(len(good)), 0).astype(np.float32)
-    around = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (2 * margin + 1,) * 2)
-    height = max(1, _STRIP // labels.shape[1])
-    for top in range(0, len(labels), height):
-        above = min(margin, top)
-        part = labels[top - above:top + height + margin]
-        near = number[part]
-        if margin:
-            near = np.where(part > 0, near, cv2.dilate(near, around))
-        rows, columns = np.nonzero(near[above:above + height])
-        yield near[above:above + height][rows, columns].astype(np.intp), rows + top, columns
+class _Pixels:
+    """The pixels of the ``good`` components and free ones next to them, in the order of the rows.
+
+    Attributes
+    ----------
+    which, x, y, depth : ndarray, shape (n,)
+        Component, column, row, and value of the picture ``depth``.
+    own : ndarray of bool, shape (n,)
+        Whether the pixel is of the component, not next to it.
+    """
+
+    def __init__(self, labels, good, depth):
+        number = np.where(good, np.arange(len(good)), 0).astype(np.float32)
+        around = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (2 * _MARGIN + 1,) * 2)
+        height, width, found = max(1, _STRIP // labels.shape[1]), labels.shape[1], []
+        for top in range(0, len(labels), height):
+            above = min(_MARGIN, top)
+            part = labels[top - above:top + height + _MARGIN]
+            near = number[part]
+            near = np.where(part > 0, near, cv2.dilate(near, around))[above:above + height].ravel()
+            at = np.flatnonzero(near)
+            row = at // width
+            found.append((near[at].astype(np.int32), (at - row * width).astype(np.int32),
+                          (row + top).astype(np.int32), depth[top:top + height].ravel()[at],
+                          part[above:above + height].ravel()[at] > 0))
+        self.which, self.x, self.y, self.depth, self.own = map(np.concatenate, zip(*found))
