@@ -1,11 +1,12 @@
 """Compares position and size of each numbered point with its neighbours' prediction."""
 
-import warnings
 from dataclasses import dataclass
 from enum import Enum
 
 import cv2
 import numpy as np
+
+from ncdc_model.calibration.median import known_median
 
 __all__ = ["NeighbourCheck", "OutlierReason", "check_neighbours", "displaced", "fits_in",
            "neighbours", "parts"]
@@ -164,10 +165,7 @@ def parts(index, xy):
         bend = np.where(both[:, None], xy[first] + xy[second] - 2 * xy, np.nan)
         # The lens bends lines too, but nearby ones by the same amount.
         near = np.where((window.near >= 0)[:, :, None], bend[window.near], np.nan)
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore", RuntimeWarning)
-            usual = np.nanmedian(near, axis=1)
-        kink = np.fmax(kink, np.linalg.norm(bend - usual, axis=1))
+        kink = np.fmax(kink, np.linalg.norm(bend - known_median(near), axis=1))
     limit = max(_KINK[0], _KINK[1] * float(np.nanmedian(kink)))
     smooth = kink <= limit
     there = np.zeros(window.grid.shape, bool)
@@ -206,7 +204,16 @@ class _Window:
         offsets = np.stack(np.meshgrid(side, side), axis=-1).reshape(-1, 2)
         self.offsets = offsets[(offsets != 0).any(axis=1)]
         i, j = (self.index[:, None] + self.offsets).transpose(2, 0, 1)
-        self.near = self.grid[i, j]
+        self.near, self._terms = self.grid[i, j], {}
+
+    def terms(self, degree):
+        """Powers of column and row, scaled to -1..1, up to ``degree`` together: (n, terms)."""
+        if degree not in self._terms:
+            low, high = self.index.min(axis=0), self.index.max(axis=0)
+            i, j = ((2 * self.index - low - high) / np.maximum(high - low, 1)).T
+            self._terms[degree] = np.stack([i**a * j**b for a in range(degree + 1)
+                                            for b in range(degree + 1 - a)], axis=1)
+        return self._terms[degree]
 
     def worst(self, score):
         """Which points have the largest ``score`` (n,) of their window, themselves included."""
@@ -237,17 +244,10 @@ def _step(window, xy):
     return np.median(away, axis=1)
 
 
-def _terms(index, degree):
-    """Powers of column and row, scaled to -1..1, up to ``degree`` together."""
-    low, high = index.min(axis=0), index.max(axis=0)
-    i, j = ((2 * index - low - high) / np.maximum(high - low, 1)).T
-    return np.stack([i**a * j**b for a in range(degree + 1) for b in range(degree + 1 - a)], axis=1)
-
-
 def _smooth(window, xy, keep):
     """Positions (n, 2) by a polynomial in column and row, a robust fit to the points ``keep``."""
     degree = next(degree for count, degree in _DEGREES if keep.sum() >= count)
-    terms, weight = _terms(window.index, degree), keep.astype(float)
+    terms, weight = window.terms(degree), keep.astype(float)
     for _ in range(4):
         root = np.sqrt(weight)[:, None]
         smooth = terms @ np.linalg.lstsq(terms * root, xy * root, rcond=1e-9)[0]

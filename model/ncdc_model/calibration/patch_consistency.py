@@ -3,12 +3,11 @@
 The centroid of a dot that something touches or half covers is not the dot's centre.
 """
 
-import warnings
-
 import cv2
 import numpy as np
 
 from ncdc_model.calibration.blobs import flat_field
+from ncdc_model.calibration.median import known_median
 from ncdc_model.calibration.neighbours import displaced, neighbours
 from ncdc_model.calibration.sampling import sample
 
@@ -72,9 +71,7 @@ def _differs(seen, part, near):
     around = np.where(there[:, :, None, None], seen[near], np.nan)
     known = there.sum(axis=1) >= _MIN_NEIGHBOURS
     usual = np.zeros_like(seen[part])
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", RuntimeWarning)    # no neighbour within the border
-        usual[known] = np.nanmedian(around[known], axis=1)
+    usual[known] = known_median(around[known])
     off = np.where(known[:, None, None], np.nan_to_num(seen[part] - usual), 0)
     wide = sum(np.roll(off, k, axis=2) for k in range(_SECTORS // 4)) / (_SECTORS // 4)
     return np.abs(wide).max(axis=(1, 2))

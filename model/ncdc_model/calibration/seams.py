@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ncdc_model.calibration.median import known_median
 from ncdc_model.calibration.target_flatness import polynomial
 
 __all__ = ["Seam", "find_seam", "seam_text", "steps"]
@@ -147,14 +148,15 @@ def _largest(step, gain, sigma, minimum):
             if not enough.any():
                 continue
             found = np.zeros((gaps, 2))
-            found[enough] = np.nanmedian(seen[enough], axis=1)
+            found[enough] = known_median(seen[enough])
             size = np.maximum(np.linalg.norm(found, axis=1), 1e-9)
             k = int(size.argmax())
             far = np.abs(np.arange(gaps) - k)
             rivals = np.where(far > _SIDE, size, np.where(far > 2, -found @ found[k] / size[k], 0))
-            spread = np.nanmedian(np.where(inside[k], gain[at[0][k], row], np.nan))
-            uneven = 1.4826 * np.nanmedian(np.linalg.norm(seen[k] - found[k], axis=1))
-            error = 1.25 * max(sigma * np.sqrt(spread), uneven) / np.sqrt(count[k])
+            spread, uneven = (known_median(values[None])[0] for values in (
+                np.where(inside[k], gain[at[0][k], row], np.nan),
+                np.linalg.norm(seen[k] - found[k], axis=1)))
+            error = 1.25 * max(sigma * np.sqrt(spread), 1.4826 * uneven) / np.sqrt(count[k])
             certain = size[k] / max(minimum, _SIGMAS * error)
             if best is None or certain > best[0]:
                 best = certain, k, slope, found[k], _ELSEWHERE * rivals.max(initial=0.0)
