@@ -30,6 +30,7 @@ from ncdc_model.example import (
     true_map,
 )
 from ncdc_model.images import demosaic, write_image
+from ncdc_model.plots import plot_error_map
 from ncdc_model.reference import bayer_psnr, correct_real, grey_level_difference
 from ncdc_model.training.pipeline import train_camera
 from ncdc_model.training.source import load_source
@@ -138,7 +139,6 @@ def _generate(folder, descriptor):
 
 def _truth(folder, camera, photo, trained, simulation):
     """Errors of the map and of the blanking over the whole frame, compared with the true camera."""
-    from ncdc_model.plots import plot_error_map  # Matplotlib takes half a second
     descriptor = trained.descriptor
     geometry = descriptor.geometry
     back_map = true_map(camera, photo, descriptor.provenance["homography"])

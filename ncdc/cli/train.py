@@ -12,6 +12,12 @@ from ncdc.cli.renamed import add_renamed
 from ncdc.terminal import Progress, say
 from ncdc_model.evaluate import fixed_map
 from ncdc_model.lens import parse_zoom
+from ncdc_model.plots import (
+    plot_error_map,
+    plot_learning_curve,
+    plot_neurons,
+    plot_point_errors,
+)
 from ncdc_model.training.backprop import Stop
 from ncdc_model.training.choices import HELD_OUT, TrainingChoices
 from ncdc_model.training.choose import choose_camera
@@ -234,8 +240,6 @@ def plot_training(trained, source, output, held_out=HELD_OUT):
 
     If several numbers of hidden neurons were tried, also OUTPUT.neurons.png.
     """
-    from ncdc_model.neurons_plot import plot_neurons  # Matplotlib takes half a second
-    from ncdc_model.plots import plot_error_map, plot_learning_curve, plot_point_errors
     output = Path(output)
     errors, learning, neurons = (str(output.with_name(f"{output.stem}.{name}.png"))
                                  for name in ("errors", "learning", "neurons"))

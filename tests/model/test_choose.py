@@ -11,7 +11,7 @@ from commands import call
 from lenses import lens
 from ncdc.cli import train as command
 from ncdc_model.evaluate import evaluate_frame, evaluate_points
-from ncdc_model.neurons_plot import plot_neurons
+from ncdc_model.plots import plot_neurons
 from ncdc_model.training import choose
 from ncdc_model.training.choices import TrainingChoices
 from ncdc_model.training.levenberg import train_levenberg
