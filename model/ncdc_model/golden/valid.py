@@ -8,8 +8,8 @@ import numpy as np
 from ncdc_model.nearest import Nearest
 from ncdc_spec.geometry import ValidRows
 
-__all__ = ["Calibrated", "Masks", "REACH", "connected", "grid_pitch", "grown", "lost_pixels",
-           "masks_of", "valid_mask", "valid_rows"]
+__all__ = ["Calibrated", "Covering", "Masks", "REACH", "connected", "grid_pitch", "grown",
+           "lost_pixels", "masks_of", "valid_mask", "valid_rows"]
 
 REACH = 2.0            # grid pitches beyond the calibrated points that count as covered
 _PIXELS = 1 << 15      # corrected pixels at a time, in whole rows: they stay in the cache
@@ -41,18 +41,9 @@ class Calibrated:
     reach: float
 
     def covering(self, geometry):
-        """The function that gives the covered ones, a bool array, of (rows, x, y, inside).
-
-        ``rows`` is a slice of corrected rows, ``x`` and ``y`` their sources and ``inside`` whether
-        their windows lie in the image.
-        """
-        near, hull = self._near(geometry), self._hull(geometry)
-
-        def covered(rows, x, y, inside):
-            column = np.where(inside, x, 0).round().astype(np.int64)
-            row = np.where(inside, y, 0).round().astype(np.int64)
-            return inside & (hull[row, column] | near[rows])
-        return covered
+        """The :class:`Covering` of a frame."""
+        points = np.round(np.stack([self.x, self.y], axis=1)).astype(np.int32)
+        return Covering(self._near(geometry), cv2.convexHull(points)[:, 0], geometry.distorted)
 
     def mask(self, map_function, geometry):
         """Pixels that the points cover: bool (corrected height, width)."""
@@ -73,12 +64,54 @@ class Calibrated:
         distance = cv2.distanceTransform(canvas, cv2.DIST_L2, cv2.DIST_MASK_PRECISE)
         return distance[margin:-margin, margin:-margin] <= self.reach
 
-    def _hull(self, geometry):
-        """Distorted pixels in the convex hull of the points: bool (distorted height, width)."""
-        points = np.round(np.stack([self.x, self.y], axis=1)).astype(np.int32)
-        mask = np.zeros(geometry.distorted[::-1], np.uint8)
-        cv2.fillConvexPoly(mask, cv2.convexHull(points), 1)
-        return mask.astype(bool)
+
+class Covering:
+    """Which pixels of a frame points cover.
+
+    Parameters
+    ----------
+    near : ndarray of bool, shape (height, width)
+        Corrected pixels near a point.
+    hull : ndarray of int, shape (n, 2)
+        Corners of the hull of the points in the distorted image.
+    size : (int, int)
+        Width and height of the distorted image.
+    """
+
+    def __init__(self, near, hull, size):
+        self.near, self._corners = near, hull.astype(np.float64)
+        mask = np.zeros(size[::-1], np.uint8)
+        cv2.fillConvexPoly(mask, hull, 1)
+        self._hull = mask.astype(bool)
+
+    def __call__(self, where, x, y, inside):
+        """The covered ones, bool, of the corrected pixels ``where`` (an index of a picture).
+
+        ``x`` and ``y`` are their sources, and ``inside`` whether their windows lie in the image.
+        """
+        column = np.where(inside, x, 0).round().astype(np.int64)
+        row = np.where(inside, y, 0).round().astype(np.int64)
+        return inside & (self._hull[row, column] | self.near[where])
+
+    def hull_of(self, x, y, margin):
+        """Cells that lie in the hull, and those beyond one of its sides, by the ``margin``.
+
+        ``x``, ``y``: sources of the corners of cells, (rows + 1, columns + 1); ``margin``: pixels,
+        (rows, columns).
+        """
+        sides = np.stack([self._corners, np.roll(self._corners, -1, axis=0)], axis=1)
+        middle = self._corners.mean(axis=0)
+        within = np.full(margin.shape, len(sides) > 2)
+        beyond = np.zeros(margin.shape, bool)
+        for first, second in sides if len(sides) > 1 else ():
+            dx, dy = (second - first) / np.linalg.norm(second - first)
+            inwards = np.sign(dx * (middle[1] - first[1]) - dy * (middle[0] - first[0]))
+            off = inwards * (dx * (y - first[1]) - dy * (x - first[0]))
+            corners = [off[i:len(off) - 1 + i, j:off.shape[1] - 1 + j]
+                       for i in (0, 1) for j in (0, 1)]
+            within &= np.minimum.reduce(corners) > margin
+            beyond |= np.maximum.reduce(corners) < -margin
+        return within, beyond
 
 
 def grid_pitch(photos):
@@ -107,7 +140,7 @@ class Masks:
 def masks_of(map_function, geometry, covering=None):
     """:class:`Masks` of a map, which is evaluated once.
 
-    ``covering``: function of :meth:`Calibrated.covering`. Other arguments as of
+    ``covering``: of :meth:`Calibrated.covering`. Other arguments as of
     :func:`valid_mask`.
     """
     shape = geometry.corrected[::-1]

@@ -11,6 +11,7 @@ from ncdc_model.evaluate import (
     float_map,
 )
 from ncdc_model.golden.nodes import interpolated_map, largest_nodes
+from ncdc_model.golden.smooth_masks import smooth_masks
 from ncdc_model.golden.valid import connected, lost_pixels, masks_of
 from ncdc_model.training.choices import TrainingChoices
 from ncdc_model.training.problem import split
@@ -160,8 +161,9 @@ def _regions(source, network, nodes=1):
     If the map itself is not known, they are those of the network at ``nodes``.
     """
     geometry = source.geometry
-    back_map = source.back_map or interpolated_map(float_map(network, geometry), nodes)
-    masks = masks_of(back_map, geometry, source.covering)
+    masks = masks_of(source.back_map, geometry, source.covering) if source.back_map else (
+        smooth_masks(interpolated_map(float_map(network, geometry), nodes), geometry,
+                     source.covering))
     mask = connected(masks.unfolded if source.within is None else masks.unfolded & source.within)
     if mask.mean() < MIN_VALID:
         raise InputError(f"only {100 * mask.mean():.1f} % of the corrected frame has a source with "

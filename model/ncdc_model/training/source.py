@@ -14,7 +14,8 @@ from ncdc_model.calibration.points_csv import is_points_csv, load_csv
 from ncdc_model.calibration.quality import uneven
 from ncdc_model.calibration.remap_file import are_remap_files
 from ncdc_model.calibration.remap_source import load_remap
-from ncdc_model.golden.valid import REACH, Calibrated, Masks, connected, grid_pitch, grown, masks_of
+from ncdc_model.golden.smooth_masks import smooth_masks
+from ncdc_model.golden.valid import REACH, Calibrated, Covering, Masks, connected, grid_pitch, grown
 from ncdc_model.training.region import region_of
 from ncdc_spec.errors import InputError
 from ncdc_spec.files import parse_text, read_bytes
@@ -43,8 +44,8 @@ class Source:
     geometry : Geometry
     back_map : callable or None
         The exact map (u, v) -> (x, y) over the whole frame, from a camera file or remap tables.
-    covering : callable or None
-        Function of :meth:`Calibrated.covering`, if there is no exact map.
+    covering : Covering or None
+        Of :meth:`Calibrated.covering`, if there is no exact map.
     smooth : Masks or None
         Sources by the smooth lens that was fitted to the points.
     anchors : (u, v, x, y) or None
@@ -64,7 +65,7 @@ class Source:
     pairs: tuple
     geometry: Geometry
     back_map: object = None
-    covering: object = None
+    covering: Covering | None = None
     smooth: Masks | None = None
     anchors: tuple | None = None
     provenance: dict = field(default_factory=dict)
@@ -209,7 +210,7 @@ def _of_points(path, points, kind, size, zoom, options):
                   **({"page": points.page} if points.page else {}),
                   "homography": matrices[0] if len(matrices) == 1 else matrices}
     covering = Calibrated(u, v, x, y, REACH * pitch).covering(geometry)
-    smooth = masks_of(frame.camera.back_map, geometry, covering)
+    smooth = smooth_masks(frame.camera.back_map, geometry, covering)
     anchors = training_grid(frame.camera.back_map, geometry, _ANCHORS, sum(_ANCHORS),
                             connected(smooth.unfolded), smooth.covered)
     return Source((u, v, x, y), geometry, covering=covering, smooth=smooth,
