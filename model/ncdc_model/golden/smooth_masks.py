@@ -110,6 +110,9 @@ def _evaluate(map_function, geometry, covering, masks, rows, columns):
     v = _CELL * rows[:, None, None] + side[:, None] + 0 * side
     u = _CELL * columns[:, None, None] + 0 * side[:, None] + side
     x, y = map_function(u, v)
+    for values in x, y:
+        _end(values.swapaxes(1, 2), rows, height)
+        _end(values, columns, width)
     # Without a source at a neighbour there is no derivative, and no fold is detected.
     folded = (np.gradient(x, axis=2) * np.gradient(y, axis=1)
               - np.gradient(x, axis=1) * np.gradient(y, axis=2)) <= 0
@@ -120,3 +123,12 @@ def _evaluate(map_function, geometry, covering, masks, rows, columns):
     masks[0][at], masks[1][at] = inside, inside & ~folded[own]
     if covering is not None:
         masks[2][at] = covering(at, x, y, inside)
+
+
+def _end(values, numbers, size):
+    """Have ``values`` (n, ..., pixels) of the cells ``numbers`` (n,) go on straight beyond the
+    frame of ``size`` pixels, so that differences at its edge are those within."""
+    first, last = numbers == 0, numbers == (size - 1) // _CELL
+    values[first, :, 0] = 2 * values[first, :, 1] - values[first, :, 2]
+    end = (size - 1) % _CELL + 2
+    values[last, :, end] = 2 * values[last, :, end - 1] - values[last, :, end - 2]
