@@ -165,12 +165,17 @@ class ValidRows:
     def of_mask(cls, mask):
         """Spans of a boolean (height, width) ``mask``; of more than two, the two longest stay."""
         spans = np.zeros((mask.shape[0], 2 * SPANS), np.int64)
-        edges = np.diff(np.pad(mask.astype(np.int8), ((0, 0), (1, 1))), axis=1)
-        for row in range(mask.shape[0]):
-            starts, stops = np.flatnonzero(edges[row] == 1), np.flatnonzero(edges[row] == -1)
-            longest = np.sort(np.argsort(starts - stops, kind="stable")[:SPANS])
-            for k, j in enumerate(longest):
-                spans[row, 2 * k:2 * k + 2] = starts[j], stops[j]
+        edges = np.diff(np.pad(mask.view(np.int8), ((0, 0), (1, 1))), axis=1)
+        (rows, starts), (_, stops) = np.nonzero(edges == 1), np.nonzero(edges == -1)
+        count = np.bincount(rows, minlength=len(spans))
+        number = np.arange(len(rows)) - np.repeat(np.cumsum(count) - count, count)
+        few = (count <= SPANS)[rows]
+        spans[rows[few], 2 * number[few]] = starts[few]
+        spans[rows[few], 2 * number[few] + 1] = stops[few]
+        for row in np.flatnonzero(count > SPANS):
+            begin, end = starts[rows == row], stops[rows == row]
+            longest = np.sort(np.argsort(begin - end, kind="stable")[:SPANS])
+            spans[row] = np.stack([begin, end], axis=1)[longest].ravel()
         return cls(spans)
 
     @classmethod

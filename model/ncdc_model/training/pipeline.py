@@ -183,7 +183,7 @@ def _error_tables(draft, source, out, frame):
         tables["frame"] = {kind: frame[kind] for kind in _KINDS}
     elif source.region:
         maps = float_map(draft.network, draft.geometry), fixed_map(draft)
-        region, beyond = zip(*map(source.region.errors, maps))
+        region, beyond = zip(*(source.region.errors(one, maps[0]) for one in maps))
         seen = [max(table[kind]["max"] for table in tables.values()) for kind in _KINDS]
         if source.region.beyond.any():
             tables["beyond_points"] = dict(zip(_KINDS, beyond))

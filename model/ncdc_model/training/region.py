@@ -8,12 +8,11 @@ the points. The regression also gives its own uncertainty, which counts as error
 
 from dataclasses import dataclass
 
+import cv2
 import numpy as np
-from scipy.linalg import eigh
-from scipy.spatial import Delaunay, cKDTree
-from scipy.spatial.distance import cdist
 
 from ncdc_model.mask_border import border_pixels
+from ncdc_model.nearest import Nearest
 from ncdc_model.training.problem import spread
 
 __all__ = ["Region", "region_of"]
@@ -59,8 +58,10 @@ class Region:
         """Part of the region that lies beyond the outermost points."""
         return float(self.beyond[~self.border].mean()) if (~self.border).any() else 0.0
 
-    def errors(self, back_map):
+    def errors(self, back_map, smooth_map=None):
         """Error of ``back_map``, (u, v) -> (x, y), in the region, and beyond the points alone.
+
+        ``smooth_map`` may be nearly the same without rounding, for the derivatives alone.
 
         The result is two dicts of ``mse``, ``mean`` and ``max`` as of
         :func:`ncdc_model.evaluate.map_error`. ``mse`` is the expected square of the error. ``max``
@@ -72,7 +73,7 @@ class Region:
         off = np.stack(back_map(self.u, self.v), axis=1) - np.stack([self.x, self.y], axis=1)
         square = (off**2).sum(axis=1) + 2 * self.sigma**2
         worst = _SIGMAS * self.sigma + _BETWEEN * np.maximum(
-            np.hypot(*off.T), np.hypot(*self._without_view(back_map, off).T))
+            np.hypot(*off.T), np.hypot(*self._without_view(smooth_map or back_map, off).T))
         result = []
         for which in (np.ones(len(off), bool), self.beyond):
             even = which & ~self.border if (which & ~self.border).any() else which
@@ -82,11 +83,11 @@ class Region:
                 dict.fromkeys(("mse", "mean", "max"), float("nan")))
         return tuple(result)
 
-    def _without_view(self, back_map, off):
+    def _without_view(self, smooth_map, off):
         """``off`` (n, 2) minus the part that a small homography of the picture explains."""
         u, v = self.u.astype(np.float64), self.v.astype(np.float64)
-        along_u, along_v = (np.stack(back_map(u + du, v + dv), axis=1)
-                            - np.stack(back_map(u - du, v - dv), axis=1)
+        along_u, along_v = (np.stack(smooth_map(u + du, v + dv), axis=1)
+                            - np.stack(smooth_map(u - du, v - dv), axis=1)
                             for du, dv in ((.5, 0), (0, .5)))
         a, b = ((values - values.mean()) / max(values.std(), 1.0) for values in (u, v))
         one, nothing = np.ones_like(a), np.zeros_like(a)
@@ -136,7 +137,7 @@ def _regression(known, rest, at):
     ``rest`` (n, 2) at ``known`` (n, 2), from the nearest points of each position."""
     length, noise, variance = _scales(known, rest)
     count = min(_NEAR, len(known))
-    distance, near = (part.reshape(len(at), -1) for part in cKDTree(known).query(at, count))
+    distance, near = Nearest(known).query(at, count)
     mean, sigma = np.empty_like(at), np.empty(len(at))
     for start in range(0, len(at), _BATCH):
         block = slice(start, start + _BATCH)
@@ -160,11 +161,11 @@ def _scales(known, rest):
     """Length in pixels, noise over variance, and variance, of maximum likelihood."""
     some = spread(len(known), _SOME)
     known, rest = known[some], rest[some]
-    distance = cdist(known, known)
+    distance = np.linalg.norm(known[:, None] - known, axis=2)
     pitch = float(np.median(np.sort(distance, axis=1)[:, min(1, len(known) - 1)]))
     best = None
     for length in _LENGTHS * max(pitch, 1.0):
-        values, vectors = eigh(_covariance(distance, length))
+        values, vectors = np.linalg.eigh(_covariance(distance, length))
         turned = ((vectors.T @ rest)**2).sum(axis=1)
         for noise in _NOISES:
             spectrum = np.maximum(values, 0) + noise
@@ -177,4 +178,10 @@ def _scales(known, rest):
 
 def _inside(points, at):
     """Whether the positions ``at`` (m, 2) lie in the convex hull of ``points`` (n, 2)."""
-    return Delaunay(points).find_simplex(at) >= 0
+    corners = points[cv2.convexHull(points.astype(np.float32), returnPoints=False)[:, 0]]
+    within = np.full((2, len(at)), len(corners) > 2)        # of either sense of rotation
+    for first, second in zip(corners, np.roll(corners, -1, axis=0)):
+        dx, dy = second - first
+        side = dx * (at[:, 1] - first[1]) - dy * (at[:, 0] - first[0])
+        within &= np.stack([side >= 0, side <= 0])
+    return within.any(axis=0)
