@@ -31,7 +31,7 @@ class Backdrop:
     @classmethod
     def of(cls, image):
         """Backdrop of a photo, uint8 (h, w) or (h, w, 3)."""
-        part = max(1, image.shape[1] // _WIDTH)
+        part = 1 if image.shape[1] < 2 * _WIDTH else round(image.shape[1] / _WIDTH)
         if part > 1:
             image = cv2.resize(image, (image.shape[1] // part, image.shape[0] // part),
                                interpolation=cv2.INTER_AREA)

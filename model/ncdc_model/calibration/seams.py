@@ -94,9 +94,12 @@ def find_seam(index, xy, rest, width=0):
     fields = [steps(index, rest, axis) for axis in (0, 1)]
     # A seam is across one axis only; the other gives the scatter of the points.
     sigma = min((_scatter(*field) for field in fields if np.isfinite(field[1]).any()), default=0.0)
+    minimum = _STEP * max(1.0, width / _WIDTH)
     for axis, (step, gain) in enumerate(fields):
-        if np.isfinite(gain).any() and step.shape[1] >= _LINES:
-            found = _largest(step, gain, sigma, _STEP * max(1.0, width / _WIDTH))
+        # No median is larger than the largest of all steps.
+        largest = np.abs(step[np.isfinite(gain)]).max(axis=0, initial=0.0)
+        if step.shape[1] >= _LINES and np.hypot(*largest) >= minimum:
+            found = _largest(step, gain, sigma, minimum)
             if found and (best is None or found[0] > best[0]):
                 best = (*found, axis)
     if best is None or best[0] < 1:

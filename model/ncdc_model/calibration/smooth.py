@@ -13,6 +13,9 @@ from ncdc_spec.errors import InputError
 __all__ = ["MIN_POINTS", "SmoothFit", "fit_smooth", "misfit"]
 
 
+_ROUGH = 0.1           # pixels: usual residual that a rough fit may leave
+
+
 @dataclass(frozen=True)
 class SmoothFit:
     """A smooth camera and, per photo, the target's plane seen by it.
@@ -95,7 +98,7 @@ def fit_smooth(size, photos, near=None, rough=False):
                              "pixel")
     problem = Problem(size, photos)
     start, prior, flawed = ((near.vector, near.prior, near.flawed) if near else
-                            problem.part().searched())
+                            problem.part().searched(_ROUGH if rough else 0.0))
     vector = start if rough else refine(
         lambda vector: problem.residuals(vector, prior),
         lambda vector: problem.derivatives(vector, prior, flawed), start, ROBUST)

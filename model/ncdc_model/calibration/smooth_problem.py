@@ -98,13 +98,18 @@ class Problem:
         return descend(lambda vector: self.residuals(vector, prior),
                        lambda vector: self.derivatives(vector, prior, flawed), start, ROBUST)
 
-    def searched(self):
-        """Vector of the best fit, weight of the prior in it, and whether it has flaws."""
+    def searched(self, enough=0.0):
+        """Vector of the best fit, weight of the prior in it, and whether it has flaws.
+
+        ``enough``: pixels of the usual residual on one axis, below which no flaws are looked for.
+        """
         guesses = sorted((guess(self.size, focal * self.size[0], self.indices, self.points)
                           for focal in _FOCALS),
                          key=lambda guess: np.median(np.abs(self.residuals(guess))))
         best, _ = min(map(self.solved, guesses[:2]), key=lambda found: found[1])
         plain = self._refined(best, False)
+        if self._left(plain[0]) < enough:
+            return plain
         flawed = self._refined(self.solved(plain[0], 1.0, True)[0], True)
         return min((plain, flawed), key=lambda fit: self._left(fit[0]) / _EXPLAINS[fit[2]])
 
