@@ -24,6 +24,7 @@ from ncdc_model.calibration.measure import measure_smooth
 from ncdc_model.calibration.overlay import Backdrop, draw_on
 from ncdc_model.calibration.quality import Dropped, warnings_of
 from ncdc_model.images import write_image
+from ncdc_model.memory import keep_freed_memory
 from ncdc_spec.errors import InputError
 
 __all__ = ["EXAMPLE", "add_arguments", "judged", "run"]
@@ -56,6 +57,7 @@ def add_arguments(parser) -> None:
 
 def run(args) -> None:
     """Detect, write the points file and the overlays, report."""
+    keep_freed_memory()
     live, missing = {}, []
     if args.live is not None:
         args.photos, live, missing = pictures_of_live(args)

@@ -90,7 +90,7 @@ def _dark_blobs(smooth):
     grey = smooth * 128
     grey = np.clip(grey, 0, 255, out=grey).astype(np.uint8)
     level = cv2.threshold(grey, 0, 255, cv2.THRESH_BINARY + cv2.THRESH_OTSU)[0]
-    return _blobs(smooth, smooth < (level + 0.5) / 128, _SMALL)
+    return _blobs(smooth, smooth < (level + 0.5) / 128, _SMALL, rough=True)
 
 
 def _ink(smooth, diameter, apart):
@@ -110,8 +110,11 @@ def _square(side):
     return np.ones((2 * int(side / 2) + 1,) * 2, np.uint8)
 
 
-def _blobs(smooth, dark, smallest):
-    """Blobs of the connected regions, of at least ``smallest`` pixels, of the mask ``dark``."""
+def _blobs(smooth, dark, smallest, rough=False):
+    """Blobs of the connected regions, of at least ``smallest`` pixels, of the mask ``dark``.
+
+    ``rough``: their centres are those of the mask, not of the ink.
+    """
     count, labels, stats, middles = cv2.connectedComponentsWithStats(dark.view(np.uint8),
                                                                      connectivity=4)
     height, width = smooth.shape
@@ -123,7 +126,7 @@ def _blobs(smooth, dark, smallest):
     good[0] = False
     if not good.any():
         return Blobs(np.empty((0, 2)), np.empty(0), _counts(small, good & False), middles[:0])
-    xy, fill = _centres(smooth, labels, good, middles, area)
+    xy, fill = _centres(None if rough else smooth, labels, good, middles, area)
     odd = good & ~((fill > _FILL[0]) & (fill < _FILL[1]))
     keep = good & ~odd
     cut[0] = False
@@ -137,27 +140,33 @@ def _counts(small, odd):
 
 
 def _centres(flat, labels, good, middles, area):
-    """Centroid of the ink and fill of every component; rows of bad components are undefined."""
-    depth, count = _depth(flat, int(np.sqrt(np.median(area[good]))) + 2), len(good)
-    pixels = _Pixels(labels, good, depth)
+    """Centroid and fill of every component; rows of bad components are undefined.
+
+    The centroid is that of the ink in the picture ``flat``, or of the component without one.
+    """
+    depth = None if flat is None else _depth(flat, int(np.sqrt(np.median(area[good]))) + 2)
+    pixels, centre = _Pixels(labels, good, depth), middles
+    with np.errstate(all="ignore"):
+        if depth is not None:
+            centre = _ink_centres(pixels, len(good))
+        # The fill is that of the flat region itself, as a binary shape.
+        own, (ax, ay) = pixels.which[pixels.own], (middles - centre).T
+        dx, dy = pixels.x[pixels.own] - middles[own, 0], pixels.y[pixels.own] - middles[own, 1]
+        xx, yy, xy = (np.bincount(own, product, len(good)) / area for product in
+                      (dx * dx, dy * dy, dx * dy))
+        xx, yy, xy = xx + ax * ax + 1 / 12, yy + ay * ay + 1 / 12, xy + ax * ay
+        fill = area / (4 * np.pi * np.sqrt(np.maximum(xx * yy - xy * xy, 1e-12)))
+    return centre, fill
+
+
+def _ink_centres(pixels, count):
+    """Centroids (count, 2) of the ink: pixels weighted by their darkness."""
     deepest = np.zeros(count, np.float32)
     np.maximum.at(deepest, pixels.which, pixels.depth)
     ink = np.clip(pixels.depth - _DARK * deepest[pixels.which], 0, None).astype(np.float64)
-
-    def total(weights, which=pixels.which):
-        return np.bincount(which, weights, count)
-    with np.errstate(all="ignore"):
-        mass = total(ink)
-        centre = np.stack([total(ink * pixels.x) / mass, total(ink * pixels.y) / mass], axis=1)
-        # The fill is that of the flat region itself, as a binary shape.
-        own = pixels.which[pixels.own]
-        dx, dy = pixels.x[pixels.own] - middles[own, 0], pixels.y[pixels.own] - middles[own, 1]
-        ax, ay = (middles - centre).T
-        xx = total(dx * dx, own) / area + ax * ax + 1 / 12
-        yy = total(dy * dy, own) / area + ay * ay + 1 / 12
-        xy = total(dx * dy, own) / area + ax * ay
-        fill = area / (4 * np.pi * np.sqrt(np.maximum(xx * yy - xy * xy, 1e-12)))
-    return centre, fill
+    mass, x, y = (np.bincount(pixels.which, weights, count) for weights in
+                  (ink, ink * pixels.x, ink * pixels.y))
+    return np.stack([x / mass, y / mass], axis=1)
 
 
 def _depth(flat, size):
@@ -169,12 +178,14 @@ def _depth(flat, size):
 
 
 class _Pixels:
-    """The pixels of the ``good`` components and free ones next to them, in the order of the rows.
+    """The pixels of the ``good`` components, in the order of the rows.
+
+    With a picture ``depth`` also the free pixels next to them, and the picture's values.
 
     Attributes
     ----------
     which, x, y, depth : ndarray, shape (n,)
-        Component, column, row, and value of the picture ``depth``.
+        Component, column, row, and value.
     own : ndarray of bool, shape (n,)
         Whether the pixel is of the component, not next to it.
     """
@@ -187,10 +198,13 @@ class _Pixels:
             above = min(_MARGIN, top)
             part = labels[top - above:top + height + _MARGIN]
             near = number[part]
-            near = np.where(part > 0, near, cv2.dilate(near, around))[above:above + height].ravel()
+            if depth is not None:
+                near = np.where(part > 0, near, cv2.dilate(near, around))
+            near = near[above:above + height].ravel()
             at = np.flatnonzero(near)
             row = at // width
             found.append((near[at].astype(np.int32), (at - row * width).astype(np.int32),
-                          (row + top).astype(np.int32), depth[top:top + height].ravel()[at],
+                          (row + top).astype(np.int32),
+                          at[:0] if depth is None else depth[top:top + height].ravel()[at],
                           part[above:above + height].ravel()[at] > 0))
         self.which, self.x, self.y, self.depth, self.own = map(np.concatenate, zip(*found))

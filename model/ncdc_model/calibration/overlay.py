@@ -64,7 +64,7 @@ def draw_on(backdrop, photo, frame=None, number=0):
     cut = {tuple(key) for key in photo.index[photo.cut].tolist()}
 
     def fixed(point):
-        return tuple(int(round(value * (1 << _SHIFT))) for value in point)
+        return tuple(round(value * (1 << _SHIFT)) for value in point)
     # Neighbours in a line of a staggered grid are two half steps away.
     step = 1 if len({sum(key) % 2 for key in position}) > 1 or len(position) < 2 else 2
     lengths = []
@@ -75,14 +75,14 @@ def draw_on(backdrop, photo, frame=None, number=0):
                 cv2.line(picture, fixed(point), fixed(position[key]), _colour(line), thick,
                          cv2.LINE_AA, _SHIFT)
     for (i, j), point in position.items():
-        cv2.circle(picture, fixed(point), fixed([(2.5 if (i, j) in cut else 1.5) * scale])[0],
+        cv2.circle(picture, fixed(point), *fixed([(2.5 if (i, j) in cut else 1.5) * scale]),
                    (200, 0, 0), thick if (i, j) in cut else -1, cv2.LINE_AA, _SHIFT)
         if i % 5 == 0 and j % 5 == 0:
             x, y = (int(round(value + 3 * scale)) for value in point)
             cv2.putText(picture, f"{i},{j}", (x, y), cv2.FONT_HERSHEY_SIMPLEX, 0.33 * scale,
                         (0, 0, 0), thick, cv2.LINE_AA)
     if (0, 0) in position:
-        cv2.circle(picture, fixed(position[0, 0]), fixed([5 * scale])[0], (200, 0, 0), thick,
+        cv2.circle(picture, fixed(position[0, 0]), *fixed([5 * scale]), (200, 0, 0), thick,
                    cv2.LINE_AA, _SHIFT)
     if frame is not None and number in frame.numbers:
         on = frame.photo == frame.numbers.index(number)

@@ -125,20 +125,20 @@ def line_scatter(index, xy, direction):
     their standard deviation is that of a single point. The result is empty if the photo has fewer
     than 200 points: their distances are so large that the lens would contribute.
     """
-    number_of = {tuple(key): n for n, key in enumerate(np.asarray(index).tolist())}
-    scatter = []
-    if len(number_of) < _DENSE:
+    scatter, steps = [], ((1, 0), (0, 1))
+    if len(index) < _DENSE:
         return np.empty(0)
-    steps = (1, 0), (0, 1)
     if len(np.unique(np.sum(index, axis=1) % 2)) == 1:         # staggered
         steps = (1, 1), (1, -1)
-    for (i, j), n in number_of.items():
-        for di, dj in steps:
-            line = [number_of.get((i + k * di, j + k * dj)) for k in (-2, -1, 1, 2)]
-            if None not in line:
-                a, b, c, d = xy[line]
-                scatter.append((xy[n] - (4 * (b + c) - a - d) / 6) @ direction[n])
-    return np.array(scatter) / np.sqrt(1 + 34 / 36)
+    at = np.asarray(index) - np.min(index, axis=0) + 2
+    number = np.full(at.max(axis=0) + 3, -1)
+    number[tuple(at.T)] = np.arange(len(at))
+    for step in np.array(steps):
+        line = np.stack([number[tuple((at + k * step).T)] for k in (-2, -1, 1, 2)])
+        on = (line >= 0).all(axis=0)
+        a, b, c, d = xy[line[:, on]]
+        scatter.append(((xy[on] - (4 * (b + c) - a - d) / 6) * direction[on]).sum(axis=1))
+    return np.concatenate(scatter) / np.sqrt(1 + 34 / 36)
 
 
 def _degree(index, residual, across):
