@@ -21,7 +21,7 @@ from ncdc_model.calibration.live import calibrator as module
 from ncdc_model.calibration.live.calibrator import LiveCalibrator
 from ncdc_model.calibration.live.information import Information
 from ncdc_model.calibration.live.poses import Pose, plane_of, wishes
-from ncdc_model.calibration.live.sighting import Sighting
+from ncdc_model.calibration.live.sighting import Sighting, may_show
 from ncdc_model.calibration.smooth import fit_smooth
 from ncdc_spec.errors import InputError
 
@@ -37,6 +37,7 @@ def shown(monkeypatch):
     """A list of sightings: each frame shows the first one that is left."""
     left = []
     monkeypatch.setattr(module, "sighting_of", lambda image, target: left.pop(0))
+    monkeypatch.setattr(module, "may_show", lambda image, target: True)
     return left
 
 
@@ -95,6 +96,35 @@ def test_frames_have_one_size(shown):
     calibrator.look(BLANK, 0)
     with pytest.raises(InputError, match="300x200 pixels, those before it have 480x360"):
         calibrator.look(BLANK[:200, :300], 1)
+
+
+def test_without_a_target_frames_are_glanced_at(monkeypatch):
+    """A whole search once in two seconds, and as soon as a glance shows something."""
+    searched, glances = [], []
+    monkeypatch.setattr(module, "sighting_of", lambda image, target: searched.append(time))
+    monkeypatch.setattr(module, "may_show", lambda image, target: glances.append(time) or seen)
+    calibrator, seen = LiveCalibrator(), False
+    for time in (0, .5, 1, 1.5, 2, 2.5):
+        calibrator.look(BLANK, time)
+    seen = True
+    for time in (3, 3.5):
+        calibrator.look(BLANK, time)
+    assert searched == [0, 2, 3, 3.5] and glances == [.5, 1, 1.5, 2.5, 3, 3.5]
+
+
+@pytest.mark.parametrize("target", ["auto", "chessboard:9x6", "charuco:9x6"])
+def test_a_glance_shows_a_board(target):
+    photo = Hand().photo(HAND_PICKED[0]).image
+    assert may_show(photo, target) and not may_show(photo, "dots")
+    assert not may_show(np.full_like(photo, 90), target)
+
+
+def test_a_glance_shows_dots():
+    y, x = np.mgrid[:360, :480]
+    dots = np.where((x % 24 - 12)**2 + (y % 24 - 12)**2 < 50, 30, 220).astype(np.uint8)
+    for page in (dots, 255 - dots):
+        assert may_show(np.repeat(page[..., None], 3, axis=2), "circles:20x15")
+    assert not may_show(np.repeat(dots[..., None], 3, axis=2), "chessboard:9x6")
 
 
 @pytest.fixture(scope="module")

@@ -13,7 +13,7 @@ from ncdc_model.calibration.subpixel import refine
 from ncdc_model.nearest import Nearest
 from ncdc_spec.errors import InputError
 
-__all__ = ["find_any_charuco", "find_charuco", "has_markers"]
+__all__ = ["find_any_charuco", "find_charuco", "has_markers", "sees_markers"]
 
 # The largest dictionary of each family includes the smaller ones.
 _FAMILIES = ("DICT_4X4_1000", "DICT_5X5_1000", "DICT_6X6_1000", "DICT_7X7_1000",
@@ -170,6 +170,11 @@ def has_markers(image, board):
     low, high = np.percentile(values, (5, 95))
     darkest = values.reshape(len(values), 4, len(_RIMS)).min(axis=2)
     return bool((np.median(darkest, axis=1) > (low + high) / 2).mean() < _PLAIN)
+
+
+def sees_markers(grey):
+    """Whether a grey picture shows some of the first markers of a family."""
+    return _most(grey, _FAMILIES, _CODES[0])[0] is not None
 
 
 def find_any_charuco(image):

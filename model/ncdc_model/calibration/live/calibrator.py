@@ -13,7 +13,7 @@ import numpy as np
 from ncdc_model.calibration.detect import parse_target
 from ncdc_model.calibration.live.information import Information
 from ncdc_model.calibration.live.poses import Pose, plane_of, wishes
-from ncdc_model.calibration.live.sighting import sighting_of
+from ncdc_model.calibration.live.sighting import may_show, sighting_of
 from ncdc_model.calibration.smooth import fit_smooth
 from ncdc_spec.errors import InputError
 
@@ -24,6 +24,7 @@ _CELLS = 10             # of the coverage map, across the frame
 _COVERED = 0.9          # of the cells: the corners are hard to reach
 _MIN_GAIN = 0.08        # of the best further pose: with less the calibration is complete
 _STILL_SECONDS = 0.35   # without motion, before a picture is taken
+_SEARCH_SECONDS = 2.0   # between searches while no target is seen, not even at a glance
 _SPEED = 0.02           # of the width per second: slower is still
 _SHARP = 1 / 400        # of the width: blur that counts as sharp in any case
 _SOFTER = 1.4           # times the sharpest frame so far: more blur is no picture
@@ -114,6 +115,7 @@ class LiveCalibrator:
         parse_target(target)
         self.target, self.limit = target, limit
         self._size = self._coverage = self._last = self._since = self._information = None
+        self._searched = -np.inf
         self._photos, self._poses, self._wish, self._sharpest = [], [], None, np.inf
 
     def look(self, image, seconds):
@@ -126,7 +128,7 @@ class LiveCalibrator:
             If its size is not that of the frames before.
         """
         self._check(image.shape[1::-1])
-        sighting = sighting_of(image, self.target)
+        sighting = self._sighting(image, seconds)
         speed = self._speed(sighting, seconds)
         if sighting is None:
             return self._state("nothing", None, speed, np.nan)
@@ -143,6 +145,15 @@ class LiveCalibrator:
     def lens(self):
         """The :class:`Camera` that explains the pictures so far; None before the first."""
         return None if self._information is None else self._information.camera
+
+    def _sighting(self, image, seconds):
+        """What the frame shows. As long as no target is seen, a search must be worth its time."""
+        unseen = self._last is not None and self._last[0] is None
+        if unseen and seconds - self._searched < _SEARCH_SECONDS and not may_show(image,
+                                                                                   self.target):
+            return None
+        self._searched = seconds
+        return sighting_of(image, self.target)
 
     def _check(self, size):
         if self._size is None:
