@@ -2,6 +2,9 @@
 
 import io
 import json
+import re
+from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -15,6 +18,9 @@ from ncdc_host.gui.live_dialog import LiveDialog
 from ncdc_host.gui.live_job import main as job
 from ncdc_host.gui.live_source import LiveSource
 from ncdc_host.gui.source_reader import SourceReader
+from ncdc_model.calibration.detect import detect_points
+from ncdc_model.calibration.frame import ideal_frame
+from ncdc_model.compare import difference_from
 from ncdc_model.images import mosaic, read_image
 
 LONG = 8 * SECONDS
@@ -86,7 +92,28 @@ def test_a_film(qtbot, tmp_path):
     assert isinstance(dialog, CalibrationDialog) and len(dialog.job.photos) == 2
     assert all(read_image(path).shape == (*SIZE[::-1], 3) for path in dialog.job.photos)
     assert "clip.mp4 has no corrector" in dialog.file_only.text()
+    compared_with_an_earlier_lens(qtbot, dialog, tmp_path / "earlier.toml")
     dialog.reject()
+
+
+def compared_with_an_earlier_lens(qtbot, dialog, path):
+    """The calibration of the pictures of ``dialog``, compared with a lens that is not the same."""
+    lens = ideal_frame(detect_points([(path.name, read_image(path)) for path in map(
+        Path, dialog.job.photos)], "chessboard:9x6")).camera
+    first, *others = lens.radial.k
+    replace(lens, radial=replace(lens.radial, k=(first + .02, *others))).save(path)
+    expected = difference_from(lens, path)
+    assert expected["rms"] > .2
+    dialog.compare_with(str(path))
+    dialog.target.setCurrentText("chessboard:9x6")
+    dialog.neurons.setValue(4)
+    dialog.run()
+    qtbot.waitUntil(lambda: not dialog.job.running and dialog.start.isEnabled(), timeout=LONG)
+    found = re.search(r"earlier.toml differs by ([\d.]+) px rms, ([\d.]+) px at most",
+                      dialog.state.text())
+    assert found, dialog.state.text()
+    assert list(map(float, found.groups())) == pytest.approx(
+        [expected["rms"], expected["max"]], rel=.02)
 
 
 @pytest.mark.longer
