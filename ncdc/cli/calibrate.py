@@ -66,7 +66,7 @@ def run(args) -> None:
     args.photos = photos_of(args.photos)
     progress, photos = Progress("calibrate"), _Photos(args)
     points = replace(detect_points(photos.readers(progress), args.target),
-                     page=args.page or "")
+                     page=args.page or "").rounded
     output = Path(args.output)
     used = [name for name in dict.fromkeys(args.photos) if name not in points.rejected_photos]
     overlays = _overlays(output, used, args)
@@ -74,7 +74,8 @@ def run(args) -> None:
     measured, frame, warnings = judged(points)
     warnings = missing + warnings
     different, difference_text = compared(frame, args.previous)
-    points.save(output)
+    # Training goes on with the lens.
+    replace(points, fits=() if frame is None else frame.fits).save(output)
     for number, (name, overlay, photo) in enumerate(zip(used, overlays, points.photos)):
         progress(_DRAWN + (1 - _DRAWN) * number / len(used), f" {overlay}")
         write_image(overlay, draw_on(photos.backdrop(name), photo, frame, number))

@@ -56,6 +56,8 @@ def rows(folder, names=tuple(SETS), reference=None, progress=lambda name: None):
             if root is None:
                 continue
             progress(f"{name}: {root.name}")
+            for command in ("calibrate", "train"):      # compiles what an installed package has
+                _seconds(root, command, "--help")
             points, net = (folder / f"{label}{file}" for file in ("points.json", "net.toml"))
             calibrate = {"seconds": _seconds(root, "calibrate", *photos, "--target",
                                              SETS[name].target, "-o", points)}
@@ -72,8 +74,9 @@ def rows(folder, names=tuple(SETS), reference=None, progress=lambda name: None):
 
 def _seconds(root, *command):
     """Processor time of a command of the checkout ``root``, on one thread."""
-    environment = os.environ | {"OPENBLAS_NUM_THREADS": "1", "PYTHONPATH": os.pathsep.join(
-        str(root / part) for part in _FOLDERS)}
+    environment = os.environ | {
+        "OPENBLAS_NUM_THREADS": "1", "PYTHONDONTWRITEBYTECODE": "",
+        "PYTHONPATH": os.pathsep.join(str(root / part) for part in _FOLDERS)}
     process = subprocess.Popen([sys.executable, "-c", _RUN, *map(str, command)], cwd=root,
                                env=environment, stdout=subprocess.DEVNULL,
                                stderr=subprocess.PIPE)

@@ -11,6 +11,7 @@ import argparse
 import json
 import os
 import sys
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
@@ -70,13 +71,13 @@ def _tell(**about):
 def _run(args):
     _tell(step="Looking for the target")
     points = detect_points([(photo.name, partial(read_image, photo)) for photo in args.photos],
-                           args.target)
-    points.save(args.folder / "points.json")
+                           args.target).rounded
     overlay = args.folder / "points.png"
     try:
         frame = ideal_frame(points)
     except InputError:
         frame = None        # the picture shows the points without arrows; training says why
+    replace(points, fits=() if frame is None else frame.fits).save(args.folder / "points.json")
     raw = read_image(next(photo for photo in args.photos if photo.name == points.photos[0].name))
     write_image(overlay, draw_points(demosaic(raw, args.bayer) if is_raw(raw) else raw,
                                      points.photos[0], frame))

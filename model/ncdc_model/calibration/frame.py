@@ -4,9 +4,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from ncdc_model.calibration.points import Fit
 from ncdc_model.calibration.quality import Dropped, check_share
 from ncdc_model.calibration.same_relief import proven
-from ncdc_model.calibration.smooth import MIN_POINTS, fit_smooth
+from ncdc_model.calibration.smooth import MIN_POINTS, SmoothFit, fit_smooth
 from ncdc_model.calibration.target_flatness import find_relief
 from ncdc_model.lens import Camera, choose_frame
 from ncdc_model.nearest import Nearest
@@ -53,6 +54,8 @@ class IdealFrame:
         Names of the photos, and their numbers among the points' photos.
     gross : tuple of (int, (int, int))
         Photo and index of the points that are farther off the smooth lens than their neighbours.
+    fits : tuple of Fit
+        What was fitted, for :attr:`TargetPoints.fits`.
     """
     camera: Camera
     homographies: tuple
@@ -68,6 +71,7 @@ class IdealFrame:
     names: tuple
     numbers: tuple
     gross: tuple = ()
+    fits: tuple = ()
 
 
 @one_thread()
@@ -113,7 +117,8 @@ def ideal_frame(points, size=None, zoom="fit"):
                       rms=float(np.sqrt(np.mean(distance**2))), rejected=rejected, along=along,
                       relief=shift, degrees=tuple(part.degree for part in fitted.relief),
                       names=tuple(photo.name for photo in photos), numbers=tuple(numbers),
-                      gross=gross)
+                      gross=gross, fits=tuple(Fit(one.vector, one.prior, one.flawed)
+                                              for one in fitted.fits))
 
 
 def _usable_photos(points):
@@ -145,31 +150,44 @@ def _spread(index):
 class _Fitted:
     """A smooth lens fitted to photos, and their points, corrected for dots and relief.
 
-    ``cells``: column and row, scaled to the target's distances; ``xy``: distorted pixels.
+    ``fits``: in the order in which they were made; ``cells``: column and row, scaled to the
+    target's distances; ``xy``: distorted pixels.
     """
-    fit: object
+    fits: tuple
     photos: list
     cells: list
     xy: list
     relief: list
 
+    @property
+    def fit(self):
+        """The last one."""
+        return self.fits[-1]
+
 
 def _fit(points, photos):
     """:class:`_Fitted` of ``photos``, those of :class:`TargetPoints` that have enough points."""
     cells = [photo.index * (1.0, points.aspect) for photo in photos]
-    xy = [photo.xy for photo in photos]
-    fit = fit_smooth(points.size, list(zip(cells, xy)))
+    xy, known, fits = [photo.xy for photo in photos], iter(points.fits), []
+
+    def fitted(near=None):
+        """The next of the fits that go with the points, or a new one."""
+        one = next(known, None)
+        fits.append(SmoothFit.of(points.size, one) if one else
+                    fit_smooth(points.size, list(zip(cells, xy)), near))
+        return fits[-1]
+    fit = fitted()
     if points.target in _ROUND:
         xy = [photo.xy - _eccentricity(fit, number, cells[number], photo)
               for number, photo in enumerate(photos)]
-        fit = fit_smooth(points.size, list(zip(cells, xy)), fit)
+        fit = fitted(fit)
     relief = [find_relief(photos[k].index, xy[k] - fit.pixels(k, cells[k]), fit.normal(k, cells[k]))
               for k in range(len(photos))]
     relief = _stated(points.page, photos, xy, relief)
     if any(part.found for part in relief):
         xy = [point - part.shift for point, part in zip(xy, relief)]
-        fit = fit_smooth(points.size, list(zip(cells, xy)), fit)
-    return _Fitted(fit, photos, cells, xy, relief)
+        fit = fitted(fit)
+    return _Fitted(tuple(fits), photos, cells, xy, relief)
 
 
 def _stated(page, photos, xy, relief):

@@ -6,13 +6,16 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from ncdc_model.calibration.smooth_vector import LENS
 from ncdc_spec.errors import InputError, reading
 from ncdc_spec.files import parse_text, write_text
 from ncdc_spec.geometry import MAX_SIZE
 
-__all__ = ["PAGES", "PhotoPoints", "TARGETS", "TargetPoints", "VERSION"]
+__all__ = ["PAGES", "Fit", "PhotoPoints", "TARGETS", "TargetPoints", "VERSION"]
 
 VERSION = 1
+FIT_VERSION = 1         # of the smooth lens's fit: another one gives other numbers
+_XY_DIGITS, _AREA_DIGITS = 4, 1         # after the point, in the file
 PAGES = "", "flat", "relief"     # the target's shape, as the user states it
 TARGETS = ("dots", "circles", "acircles", "chessboard", "charuco")
 
@@ -86,6 +89,14 @@ class PhotoPoints:
 
 
 @dataclass(frozen=True)
+class Fit:
+    """A smooth lens that was fitted to points; see :class:`SmoothFit` for what they mean."""
+    vector: np.ndarray
+    prior: float
+    flawed: bool
+
+
+@dataclass(frozen=True)
 class TargetPoints:
     """Points of all photos that one camera took of one kind of flat target.
 
@@ -107,6 +118,9 @@ class TargetPoints:
     page : str
         The target's shape, as the user states it: ``flat``, ``relief`` (it has one, for which the
         points are corrected), or empty.
+    fits : tuple of Fit
+        The fits of :func:`ncdc_model.calibration.frame.ideal_frame` for exactly these points, in
+        their order, or none: then the lens is fitted again.
 
     Raises
     ------
@@ -122,6 +136,7 @@ class TargetPoints:
     choice: str = ""
     target_size: tuple | None = None
     page: str = ""
+    fits: tuple = ()
 
     def __post_init__(self):
         if self.page not in PAGES:
@@ -189,16 +204,33 @@ class TargetPoints:
             state.update(np.asarray(photo.cut).astype("u1").tobytes() if photo.cut.any() else b"")
         return state.hexdigest()[:12]
 
+    @property
+    def rounded(self):
+        """The points as their file has them."""
+        return replace(self, fits=(), photos=tuple(
+            replace(photo, xy=_rounded(photo.xy, _XY_DIGITS),
+                    area=_rounded(photo.area, _AREA_DIGITS)) for photo in self.photos))
+
     def save(self, path):
-        """Write the points as JSON; the file is replaced whole or not at all."""
-        lines = [f'"format": "ncdc points", "version": {VERSION}',
-                 f'"target": {json.dumps(self.target)}, "aspect": {self.aspect!r}',
-                 f'"columns": {self.columns}, "rows": {self.rows}',
-                 f'"width": {self.size[0]}, "height": {self.size[1]}',
-                 *([f'"page": {json.dumps(self.page)}'] if self.page else []),
-                 f'"rejected_photos": {json.dumps(self.rejected_photos)}',
-                 '"photos": [\n' + ",\n".join(map(_photo_text, self.photos)) + "\n]"]
+        """Write the points as JSON; the file is replaced whole or not at all.
+
+        The fits go with points that are :attr:`rounded`, and with a hash of them.
+        """
+        lines = self._lines()
+        if self.fits:
+            table = {"version": FIT_VERSION, "points": _hash(lines), "fits": [
+                {**vars(fit), "vector": fit.vector.tolist()} for fit in self.fits]}
+            lines.insert(-1, f'"lens": {json.dumps(table)}')
         write_text(path, "{" + ",\n".join(lines) + "}\n")
+
+    def _lines(self):
+        return [f'"format": "ncdc points", "version": {VERSION}',
+                f'"target": {json.dumps(self.target)}, "aspect": {self.aspect!r}',
+                f'"columns": {self.columns}, "rows": {self.rows}',
+                f'"width": {self.size[0]}, "height": {self.size[1]}',
+                *([f'"page": {json.dumps(self.page)}'] if self.page else []),
+                f'"rejected_photos": {json.dumps(self.rejected_photos)}',
+                '"photos": [\n' + ",\n".join(map(_photo_text, self.photos)) + "\n]"]
 
     @classmethod
     def load(cls, path):
@@ -224,13 +256,33 @@ class TargetPoints:
             if (points.columns, points.rows) != (table["columns"], table["rows"]):
                 raise InputError(f"columns and rows are {table['columns']} and {table['rows']}, "
                                  f"the indices span {points.columns} and {points.rows}")
-            return points
+            return replace(points, fits=points._fits_of(table.get("lens")))
+
+    def _fits_of(self, table):
+        """Fits of the ``table`` of a file, if they are of these points by this version, or none."""
+        if (not isinstance(table, dict) or table.get("version") != FIT_VERSION
+                or table.get("points") != _hash(self._lines())):
+            return ()
+        fits = tuple(Fit(np.array(fit["vector"], np.float64), float(fit["prior"]),
+                         bool(fit["flawed"])) for fit in table["fits"])
+        return fits if all(len(fit.vector) >= LENS and np.isfinite(fit.vector).all()
+                           for fit in fits) else ()
+
+
+def _rounded(values, digits):
+    """Numbers rounded as in the text of a file."""
+    return np.array([round(value, digits) for value in values.ravel().tolist()],
+                    np.float64).reshape(values.shape)
+
+
+def _hash(lines):
+    return hashlib.sha256("\n".join(lines).encode()).hexdigest()
 
 
 def _photo_text(photo):
     """One photo as JSON, a line per point: column, row, x, y, area, and 1 if it is cut."""
-    rows = [json.dumps([int(i), int(j), round(float(x), 4), round(float(y), 4),
-                        round(float(area), 1)] + [1] * bool(cut))
+    rows = [json.dumps([int(i), int(j), round(float(x), _XY_DIGITS), round(float(y), _XY_DIGITS),
+                        round(float(area), _AREA_DIGITS)] + [1] * bool(cut))
             for (i, j), (x, y), area, cut in zip(photo.index, photo.xy, photo.area, photo.cut)]
     return (f'{{"name": {json.dumps(photo.name)}, "rejected": {json.dumps(photo.rejected)},\n'
             f'"points": [\n' + ",\n".join(rows) + "\n]}")

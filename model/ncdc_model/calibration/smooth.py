@@ -40,6 +40,12 @@ class SmoothFit:
     prior: float
     flawed: bool
 
+    @classmethod
+    def of(cls, size, fit):
+        """The lens of a :class:`~ncdc_model.calibration.points.Fit` for photos of a ``size``."""
+        return cls(camera_of(fit.vector, size), tuple(planes_of(fit.vector)), fit.vector, fit.prior,
+                   fit.flawed)
+
     def rays(self, photo, index):
         """Directions (n, 3) of the target's points ``index`` (n, 2) in photo number ``photo``."""
         return index @ self.planes[photo][:, :2].T + self.planes[photo][:, 2]

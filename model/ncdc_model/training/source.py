@@ -148,7 +148,8 @@ def load_source(path, size=None, zoom=None, camera=None, sensor=None, page=None,
         return _of_camera(path, size, zoom, camera, sensor, options)
     if camera is not None:
         raise InputError(f"camera {camera} is asked for, {path} holds points")
-    points = replace(points, page=page or points.page)
+    if page and page != points.page:
+        points = replace(points, page=page, fits=())
     kind = "CSV" if is_points_csv(path) else points.target
     return _of_points(path, points, kind, size, zoom, options)
 
