@@ -30,7 +30,7 @@ from ncdc_spec.errors import InputError
 __all__ = ["EXAMPLE", "add_arguments", "judged", "run"]
 
 _LENS, _DRAWN = 0.7, 0.9    # parts of the work done before the lens, and before the pictures
-_KEPT = 96 << 20            # bytes of pictures to draw on
+_CACHED = 96 << 20          # bytes of pictures to draw on
 _LISTED = 20                # dropped points that are printed
 
 EXAMPLE = "ncdc calibrate left*.jpg --target chessboard:9x6 -o points.json"
@@ -178,12 +178,12 @@ def _print(report, photos, measured):
 class _Photos:
     """Reads the photos of the command line, which may be too many for the memory.
 
-    Some are kept as the :class:`Backdrop` of their drawing, and a single one whole.
+    Some are cached as the :class:`Backdrop` of their drawing, and a single one whole.
     """
 
     def __init__(self, args):
         self._args, self._warn = args, _once()
-        self._single, self._backdrops, self._free = None, {}, _KEPT
+        self._single, self._backdrops, self._free = None, {}, _CACHED
 
     def readers(self, progress):
         """Each name with the function that reads it, one after the other, with progress."""
