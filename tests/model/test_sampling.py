@@ -3,8 +3,9 @@
 import cv2
 import numpy as np
 import pytest
+from scipy.ndimage import map_coordinates
 
-from ncdc_model.calibration.sampling import sample
+from ncdc_model.calibration.sampling import bilinear, sample
 
 
 def ramp(dtype):
@@ -32,3 +33,13 @@ def test_blocks_change_nothing(kernel, dtype):
 
 def test_beyond_the_border_are_the_border_s_values():
     assert sample(ramp(np.uint8), [(-9, -9), (99, 99)]).tolist() == [0, 3 * 59 + 2 * 39]
+
+
+@pytest.mark.parametrize("shape", [(50, 70), (1, 9), (9, 1)])
+@pytest.mark.parametrize("dtype", [np.uint8, np.float32])
+def test_bilinear_samples_are_exact(shape, dtype):
+    picture = np.random.default_rng(4).uniform(0, 255, shape).astype(dtype)
+    positions = np.random.default_rng(5).uniform(-4, 74, (300, 3, 2))
+    expected = map_coordinates(picture, [positions[..., 1], positions[..., 0]], np.float32, order=1,
+                               mode="nearest")
+    np.testing.assert_array_equal(bilinear(picture, positions), expected)
