@@ -222,6 +222,7 @@ CAPABILITIES = (
                checks=(_namespaces, _tap)),
     Capability("device serve", checks=(_gvcp,)),
     Capability("correct, calibrate --live: films", "video"),
+    Capability("lot: production lots", "lot"),
     Capability("client with gige://", "client"),
     Capability("client with aravis://", checks=(_aravis,)),
     Capability("client with usb://", "usb"),

@@ -5,6 +5,7 @@ from ncdc_bench.calibration import command as calibration
 from ncdc_bench.client import command as client
 from ncdc_bench.grid import command as grid
 from ncdc_bench.lines import command as lines
+from ncdc_bench.lot import command as lot
 from ncdc_bench.model import command as model
 from ncdc_bench.network import command as network
 from ncdc_bench.nodes import command as nodes
@@ -21,7 +22,7 @@ from ncdc_bench.window import command as window
 __all__ = ["BENCHES"]
 
 BENCHES = {"accuracy": accuracy, "calibration": calibration, "client": client, "grid": grid,
-           "lines": lines, "model": model, "network": network, "nodes": nodes, "photos": photos,
-           "pictures": pictures, "synth": synth, "system": system, "tansig": tansig,
-           "throughput": throughput, "truth": truth, "view": view,
+           "lines": lines, "lot": lot, "model": model, "network": network, "nodes": nodes,
+           "photos": photos, "pictures": pictures, "synth": synth, "system": system,
+           "tansig": tansig, "throughput": throughput, "truth": truth, "view": view,
            "window": window}

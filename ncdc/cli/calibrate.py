@@ -16,18 +16,17 @@ from ncdc.cli.common import (
     write_report,
 )
 from ncdc.cli.live import add_live, compared, pictures_of_live
-from ncdc.cli.photo_names import photos_of
 from ncdc.terminal import Progress, say
 from ncdc_model.calibration.detect import detect_points
-from ncdc_model.calibration.frame import ideal_frame
-from ncdc_model.calibration.measure import measure_smooth
+from ncdc_model.calibration.judged import judged
 from ncdc_model.calibration.overlay import Backdrop, draw_on
-from ncdc_model.calibration.quality import Dropped, warnings_of
+from ncdc_model.calibration.quality import Dropped
 from ncdc_model.images import write_image
 from ncdc_model.memory import keep_freed_memory
+from ncdc_model.photo.names import photos_of
 from ncdc_spec.errors import InputError
 
-__all__ = ["EXAMPLE", "add_arguments", "judged", "run"]
+__all__ = ["EXAMPLE", "add_arguments", "run"]
 
 _LENS, _DRAWN = 0.7, 0.9    # parts of the work done before the lens, and before the pictures
 _CACHED = 96 << 20          # bytes of pictures to draw on
@@ -216,21 +215,3 @@ def _once():
             say(sentence)
         written.add(sentence)
     return warn
-
-
-def judged(points):
-    """Straightness with a smooth lens, the frame it was measured in, and warnings.
-
-    Without a lens that explains the points the first is empty, the second None, and the
-    warning says why.
-    """
-    try:
-        try:
-            frame = ideal_frame(points)
-        except InputError:
-            # A lens of 180 degrees fits no flat picture; its middle does.
-            frame = ideal_frame(points, zoom=1.0)
-    except InputError as error:
-        return {}, None, [str(error)]
-    measured = measure_smooth(frame)
-    return measured, frame, warnings_of(points, frame, measured)

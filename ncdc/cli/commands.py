@@ -11,6 +11,7 @@ COMMANDS = {
     "calibrate": "find a target's points in photos of it",
     "train": "train a camera's network and write its descriptor",
     "evaluate": "measure the error of a descriptor",
+    "lot": "a production lot: calibrate, train and judge every unit, on one machine or several",
     "report": "write one page of HTML on a camera: pictures, errors, lens, hardware",
     "correct": "correct an image with the bit-exact golden model",
     "export": "write a map as tables for OpenCV's remap, or points as CSV",
@@ -31,6 +32,7 @@ COMMANDS = {
 # Extras of the package that a command needs; one that is not listed runs with the base.
 EXTRAS = {
     "demo": "calibrate,sim", "target": "calibrate", "calibrate": "calibrate", "train": "calibrate",
-    "evaluate": "calibrate", "report": "calibrate,hdl", "export": "calibrate", "plan": "hdl",
-    "generate": "hdl", "build": "boards", "simulate": "sim", "bench": "all", "soc": "soc",
+    "evaluate": "calibrate", "report": "calibrate,hdl", "lot": "calibrate,lot",
+    "export": "calibrate", "plan": "hdl", "generate": "hdl", "build": "boards", "simulate": "sim",
+    "bench": "all", "soc": "soc",
 }

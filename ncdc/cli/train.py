@@ -32,8 +32,8 @@ from ncdc_spec.geometry import BAYERS, MIN_SIZE, Geometry
 from ncdc_spec.interpolation import DEFAULT, INTERPOLATIONS, interpolation_of
 from ncdc_spec.tansig import FRACTION_BITS, VARIANTS, choose_variant
 
-__all__ = ["EXAMPLE", "TABLES", "add_arguments", "error_table", "nodes_text",
-           "plot_training", "run", "training_progress"]
+__all__ = ["EXAMPLE", "TABLES", "add_arguments", "error_table", "neurons_of", "nodes_text",
+           "plot_training", "run", "size_of", "training_progress"]
 
 _NEURONS = 8           # auto would train 16 networks of a page of dots: minutes, not seconds
 _POOR = 1 / 640        # of the width: a map that is off by more at most is warned of
@@ -61,7 +61,7 @@ def add_arguments(parser) -> None:
     source.add_argument("--held-out", type=int, default=HELD_OUT, metavar="K",
                         help=f"one point in K only measures; 0: none (default: {HELD_OUT})")
     network = parser.add_argument_group("network and training")
-    network.add_argument("--neurons", type=_neurons, default=_NEURONS, metavar="N",
+    network.add_argument("--neurons", type=neurons_of, default=_NEURONS, metavar="N",
                          help=f"hidden neurons, 4 to 12 are usual (default: {_NEURONS}); auto: the "
                               f"fewest, up to 16, that meet --max-error, or 0.1 px without it, "
                               f"which takes minutes")
@@ -136,7 +136,7 @@ def run(args) -> None:
         raise InputError(f"--max-error is an option of --neurons auto, {args.neurons} are asked "
                          f"for")
     choices, fill = _choices(args), _colour(args.fill)
-    size, sensor = (_size(text, name) if text else None
+    size, sensor = (size_of(text, name) if text else None
                     for text, name in ((args.size, "size"), (args.sensor_size, "sensor size")))
     check_request(1 if args.neurons == "auto" else args.neurons, choices)
     if args.zoom is not None:
@@ -302,7 +302,8 @@ def _choosing_progress():
     return progress
 
 
-def _neurons(text):
+def neurons_of(text):
+    """The number of hidden neurons that an option names, or auto."""
     if text == "auto" or text.removeprefix("-").isdecimal():
         return text if text == "auto" else int(text)
     raise argparse.ArgumentTypeError(f"{text!r} is neither a whole number nor auto")
@@ -319,7 +320,8 @@ def _formats(args):
     return replace(formats, coordinate=Q(formats.coordinate.i_bits, args.coordinate_bits))
 
 
-def _size(text, name):
+def size_of(text, name):
+    """Width and height of the text ``WxH`` of an option; the error calls it ``name``."""
     parts = text.lower().split("x")
     if len(parts) != 2 or not all(part.isdecimal() for part in parts):
         raise InputError(f"{name} is {text!r}, WxH is needed, as in 1280x1024")

@@ -1,15 +1,19 @@
 """A lens in figures and words: focal length, field of view, distortion, and its flaws."""
 
-from dataclasses import replace
-
 import numpy as np
 
-from ncdc_model.compare import fitted_plane
-from ncdc_model.lens import BrownWeng, Camera, TiltedSensor
+from ncdc_model.flaw_figures import (
+    axis_pixel,
+    decentring,
+    focal_length,
+    roll,
+    tilt,
+    tilt_effect,
+)
+from ncdc_model.lens import Camera
 
 __all__ = ["lens_rows"]
 
-_GRID = 33, 25          # positions over the picture at which flaws are measured
 _SLIGHT = 0.05          # pixels: less is not worth a word
 
 
@@ -31,19 +35,8 @@ def lens_rows(camera, frame=None):
     return rows
 
 
-def _centre(camera):
-    return np.array(camera.distort(0.0, 0.0), np.float64)
-
-
-def _focal_length(camera):
-    """Distorted pixels per radian on the axis."""
-    step = 1e-4
-    return float(np.hypot(*(np.subtract(camera.distort(step, 0.0), camera.distort(-step, 0.0))
-                            / (2 * step))))
-
-
 def _focal(camera):
-    focal = _focal_length(camera)
+    focal = focal_length(camera)
     return ("Focal length", f"{focal:.1f} px", f"{focal / camera.size[0]:.2f} of the picture's "
             f"width, on the axis. Times the width of a pixel it is the focal length in millimetres")
 
@@ -66,7 +59,7 @@ def _view(camera):
 def _distortion(camera):
     """The edge in the middle of the left and right sides, compared with a lens without distortion.
     """
-    centre, focal = _centre(camera), _focal_length(camera)
+    centre, focal = axis_pixel(camera), focal_length(camera)
     x = np.array([0.0, camera.size[0] - 1.0])
     a, b = camera.undistort(x, np.full(2, centre[1]))
     share = 100 * float(np.mean(np.abs(x - centre[0]) / (focal * np.hypot(a, b)) - 1))
@@ -80,26 +73,15 @@ def _distortion(camera):
 
 
 def _axis(camera):
-    off = _centre(camera) - (np.array(camera.size) - 1) / 2
+    off = axis_pixel(camera) - (np.array(camera.size) - 1) / 2
     words = [f"{abs(value):.1f} px {names[int(value > 0)]}"
              for value, names in zip(off, (("left of", "right of"), ("above", "below")))]
-    return ("Axis", "({:.1f}, {:.1f})".format(*_centre(camera)),
+    return ("Axis", "({:.1f}, {:.1f})".format(*axis_pixel(camera)),
             f"it meets the picture {words[0]} and {words[1]} its middle")
 
 
-def _effect(camera, without):
-    """Pixels, at most, by which a flaw moves points, apart from the view."""
-    x, y = (part.ravel() for part in np.meshgrid(
-        *(np.linspace(0, side - 1.0, count) for side, count in zip(camera.size, _GRID))))
-    a, b = camera.undistort(x, y)
-    known = np.isfinite(a) & np.isfinite(b)
-    a, b, x, y = (part[known] for part in (a, b, x, y))
-    moved = np.subtract(fitted_plane(without, a, b, x, y)(a, b), (x, y))
-    return float(np.nanmax(np.hypot(*moved)))
-
-
 def _decentring(camera):
-    effect = _effect(camera, replace(camera, decentring=BrownWeng()))
+    effect = decentring(camera)
     if effect < _SLIGHT:
         return "Decentring", f"{effect:.2f} px", "the elements of the lens are on one axis"
     return ("Decentring", f"up to {effect:.2f} px", "the elements of the lens are not quite on one "
@@ -110,10 +92,8 @@ def _tilt(camera):
     if not any(camera.tilt.angles):
         return ("Tilt", "none", "the points do not show that the sensor is tilted; a small tilt "
                 "looks like decentring")
-    degrees = np.degrees(np.hypot(*camera.tilt.angles))
-    effect = _effect(camera, replace(camera, tilt=TiltedSensor()))
-    return ("Tilt", f"{degrees:.2f}°", f"the sensor is not parallel to the lens, which moves "
-            f"points by up to {effect:.2f} px")
+    return ("Tilt", f"{tilt(camera):.2f}°", f"the sensor is not parallel to the lens, which moves "
+            f"points by up to {tilt_effect(camera):.2f} px")
 
 
 def _aspect(camera):
@@ -125,15 +105,9 @@ def _aspect(camera):
 
 
 def _roll(frame):
-    matrix = frame.homographies[0]
-    i, j = frame.index[frame.photo == 0].mean(axis=0)
-    ends = np.array([[i - .5, j, 1], [i + .5, j, 1]]) @ matrix.T
-    along = np.subtract(*(ends[:, :2] / ends[:, 2:])[::-1])
-    # A row of the target may be a column of the picture.
-    degrees = (np.degrees(np.arctan2(along[1], along[0])) + 45) % 90 - 45
-    return ("Roll", f"{degrees:+.2f}°", f"the target of {frame.names[0] or 'the first photo'} is "
-            f"turned by as much, clockwise, to the rows of the sensor: so is the camera, if the "
-            f"target hung level")
+    return ("Roll", f"{roll(frame):+.2f}°",
+            f"the target of {frame.names[0] or 'the first photo'} is turned by as much, clockwise, "
+            f"to the rows of the sensor: so is the camera, if the target hung level")
 
 
 def _rest(frame):

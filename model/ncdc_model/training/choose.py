@@ -21,7 +21,8 @@ GOAL = .1              # pixels: the wanted limit of the largest error, by defau
 NEARLY = 1.1           # times the best largest error: a smaller network is preferred up to that
 
 
-def choose_camera(source, max_error=None, choices=TrainingChoices(), progress=None, tried=None):
+def choose_camera(source, max_error=None, choices=TrainingChoices(), progress=None, tried=None,
+                  goal=GOAL):
     """Train networks of 1, 2, ... 16 hidden neurons until one meets ``max_error``.
 
     The error is the largest distance in distorted pixels of float and of integer network: at
@@ -34,13 +35,15 @@ def choose_camera(source, max_error=None, choices=TrainingChoices(), progress=No
     ----------
     source : Source
     max_error : float, optional
-        Limit in pixels that must be met. Without it the goal is :data:`GOAL`. If no network meets
+        Limit in pixels that must be met. Without it ``goal`` is wanted. If no network meets
         that, the smallest is taken whose largest error is at most :data:`NEARLY` times the best.
     choices : TrainingChoices
     progress : callable, optional
         Called with (hidden neurons, fraction of their training done, MSE in px^2).
     tried : callable, optional
         Called with (hidden neurons, largest error in px) of every network.
+    goal : float
+        Pixels; without effect if ``max_error`` is given.
 
     Returns
     -------
@@ -54,7 +57,7 @@ def choose_camera(source, max_error=None, choices=TrainingChoices(), progress=No
     InputError
         If no network meets ``max_error``, no point is held out, or the request is bad.
     """
-    limit = GOAL if max_error is None else max_error
+    limit = goal if max_error is None else max_error
     if not (math.isfinite(limit) and limit > 0):
         raise InputError(f"the maximum error is {limit:g} px, it must be positive")
     reference = _reference_pairs(source, choices.held_out)

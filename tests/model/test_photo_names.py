@@ -5,10 +5,10 @@ import json
 import pytest
 
 from ncdc.cli import main
-from ncdc.cli.photo_names import photos_of
 from ncdc.target.draw import page
 from ncdc.target.layout import layout_of
 from ncdc_model.images import write_image
+from ncdc_model.photo.names import photos_of
 from ncdc_spec.errors import InputError
 from vector_pages import painted
 

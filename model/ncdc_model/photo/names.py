@@ -6,7 +6,7 @@ from pathlib import Path
 
 from ncdc_spec.errors import InputError
 
-__all__ = ["natural", "photos_of"]
+__all__ = ["may_be_photo", "natural", "photos_of"]
 
 # Files next to photos in a folder that are no photos: our own, and those of other software.
 _NO_PHOTOS = {".json", ".toml", ".csv", ".txt", ".md", ".yaml", ".yml", ".xml", ".html", ".pdf",
@@ -43,11 +43,11 @@ def photos_of(arguments):
 
 def _photos(given):
     if Path(given).is_dir():
-        found = [str(path) for path in Path(given).iterdir() if _may_be_photo(path)]
+        found = [str(path) for path in Path(given).iterdir() if _is_photo(path)]
         if not found:
             raise InputError(f"the folder {given} holds no photo")
     elif re.search(r"[*?[]", given) and not Path(given).exists():
-        found = [name for name in glob(given) if _may_be_photo(Path(name))]
+        found = [name for name in glob(given) if _is_photo(Path(name))]
         if not found:
             raise InputError(f"no photo has a name like {given}")
     else:
@@ -55,7 +55,12 @@ def _photos(given):
     return sorted(found, key=natural)
 
 
-def _may_be_photo(path):
-    """Whether a file in a folder is to be read as a photo."""
-    return (path.is_file() and not path.name.startswith(".") and _OVERLAY not in path.name
+def may_be_photo(name):
+    """Whether a file of this ``name`` in a folder is to be read as a photo."""
+    path = Path(name)
+    return (not path.name.startswith(".") and _OVERLAY not in path.name
             and path.suffix.lower() not in _NO_PHOTOS)
+
+
+def _is_photo(path):
+    return path.is_file() and may_be_photo(path.name)

@@ -1,0 +1,130 @@
+"""Scheduler, workers and driver of a lot as processes of their own, which can be killed."""
+
+import os
+import signal
+import socket
+import subprocess
+import sys
+import time
+from contextlib import contextmanager, suppress
+
+from ncdc.cli.lot_run import database_at
+from ncdc_bench.lot.units import LIMITS
+from ncdc_spec.errors import InputError
+
+__all__ = ["KILLS", "Cluster", "cluster", "lot_command", "run_with_kills"]
+
+KILLS = "worker", "driver", "scheduler"
+_POLL = 0.2             # seconds
+_STOP = 10.0            # seconds until a process that was asked to end is killed
+
+
+class Cluster:
+    """A Dask scheduler and its workers, each a process.
+
+    Parameters
+    ----------
+    count : int
+        Workers, of one thread each.
+    """
+
+    def __init__(self, count):
+        with socket.socket() as one:
+            one.bind(("127.0.0.1", 0))
+            port = one.getsockname()[1]
+        self.address = f"tcp://127.0.0.1:{port}"
+        self.scheduler = _dask("scheduler", "--host", "127.0.0.1", "--port", port,
+                               "--no-dashboard")
+        self.workers = [_dask("worker", self.address, "--nthreads", 1, "--no-dashboard",
+                              "--death-timeout", 20) for _ in range(count)]
+
+    def kill_worker(self):
+        """Kill the process that works, which its nanny starts again."""
+        nanny = self.workers[0].pid
+        children = subprocess.run(["pgrep", "-P", str(nanny), "-f", "spawn_main"],
+                                  capture_output=True, text=True).stdout.split()
+        os.kill(int(children[-1]), signal.SIGKILL)
+
+    def close(self):
+        """End what still runs."""
+        for process in (*self.workers, self.scheduler):
+            process.terminate()
+        for process in (*self.workers, self.scheduler):
+            try:
+                process.wait(_STOP)
+            except subprocess.TimeoutExpired:
+                process.kill()
+                process.wait()
+
+
+@contextmanager
+def cluster(count):
+    """Yield a :class:`Cluster` that ends with the block."""
+    started = Cluster(count)
+    try:
+        yield started
+    finally:
+        started.close()
+
+
+def _dask(*arguments):
+    return subprocess.Popen([sys.executable, "-m", "dask", *map(str, arguments)],
+                            stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+
+
+def lot_command(units, lot, *more):
+    """Arguments of the Python that runs `ncdc lot run` on synthetic units."""
+    limits = [part for name, value in LIMITS.items()
+              for part in (f"--{name.replace('_', '-')}", str(value))]
+    return [sys.executable, "-m", "ncdc", "lot", "run", str(units), "--target", "dots",
+            "--neurons", "6", "--bayer", "MONO", *limits, "-o", str(lot), *map(str, more)]
+
+
+def run_with_kills(folder, workers, kills):
+    """Run the lot of ``folder``/units into ``folder``/lot; (seconds, number of kills).
+
+    A process is killed each time that another part of the units is judged, and what is missing
+    afterwards is started again. Without ``kills`` the lot starts its own workers.
+    """
+    start, done = time.monotonic(), 0
+    if not kills:
+        _check(subprocess.run(lot_command(folder / "units", folder / "lot", "--workers", workers)))
+        return time.monotonic() - start, 0
+    count = sum(1 for _ in (folder / "units").iterdir())
+    while done < len(kills) + 1:
+        with cluster(workers) as running:
+            command = lot_command(folder / "units", folder / "lot", "--scheduler", running.address)
+            driver = subprocess.Popen(command)
+            for victim in kills[done:]:
+                if not _wait_for(folder / "lot", count * (done + 1) / (len(kills) + 1), driver):
+                    break
+                done += 1
+                if victim == "worker":
+                    running.kill_worker()
+                    continue
+                (driver if victim == "driver" else running.scheduler).kill()
+                driver.wait()
+                break
+            else:
+                driver.wait()
+                _check(driver)
+                return time.monotonic() - start, done
+    raise InputError("the lot ended before its processes were killed: more units are needed")
+
+
+def _wait_for(lot, count, driver):
+    """Wait until so many units are judged; whether that came before the driver's end."""
+    while driver.poll() is None:
+        with suppress(InputError):
+            database = database_at(str(lot))
+            counts = database.counts()
+            database.close()
+            if sum(counts.values()) - counts["units"] >= count:
+                return True
+        time.sleep(_POLL)
+    return False
+
+
+def _check(done):
+    if done.returncode:
+        raise InputError(f"ncdc lot run ended with status {done.returncode}")

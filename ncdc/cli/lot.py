@@ -1,0 +1,29 @@
+"""``ncdc lot``: calibrates every unit of a production lot, judges and records it."""
+
+from ncdc.cli import lot_compare, lot_report, lot_run, lot_show
+
+__all__ = ["EXAMPLE", "add_arguments", "run"]
+
+EXAMPLE = "ncdc lot run units --target dots --neurons auto -o lot"
+
+_ACTIONS = {
+    "run": (lot_run, "calibrate, train and judge the units that have no verdict yet"),
+    "report": (lot_report, "write one page of HTML: yield, figures, trend, outliers, all units"),
+    "show": (lot_show, "print what is known of one unit, and write its descriptor and picture"),
+    "compare": (lot_compare, "print two lots next to each other"),
+}
+
+
+def add_arguments(parser) -> None:
+    """Declare one subcommand per action on an argparse parser."""
+    actions = parser.add_subparsers(dest="action", metavar="ACTION", required=True)
+    for name, (module, text) in _ACTIONS.items():
+        sub = actions.add_parser(name, help=text, description=text,
+                                 epilog=f"example: {module.EXAMPLE}")
+        module.add_arguments(sub)
+        sub.set_defaults(action_of=module.run)
+
+
+def run(args) -> int | None:
+    """Run the chosen action."""
+    return args.action_of(args)

@@ -1,0 +1,1 @@
+"""A production lot: every unit calibrated, trained, compared with limits, and recorded."""

@@ -1,0 +1,275 @@
+"""The database of a lot: which units there are, what was found, and every try."""
+
+import json
+import zlib
+from datetime import UTC, datetime
+from importlib.metadata import version
+from itertools import islice
+
+import numpy as np
+from sqlalchemy import String, create_engine, event, func, insert, inspect, select, update
+from sqlalchemy.exc import SQLAlchemyError
+
+from ncdc.lot.figures import FIGURES, VERDICTS
+from ncdc.lot.schema import FACTS, FILES, METADATA, SCHEMA, TRIES, UNITS
+from ncdc_spec.errors import InputError
+
+__all__ = ["DIED", "Database", "INTERRUPTED", "JUDGED"]
+
+JUDGED, DIED, INTERRUPTED = "judged", "died", "interrupted"     # ends of a try
+
+_BATCH = 500            # rows that are in memory at a time
+_NET, _PICTURE = "net.toml", "picture.jpg"
+
+
+class Database:
+    """A lot's database, at an address of SQLAlchemy, such as ``sqlite:///lot/lot.db``.
+
+    Every method is one transaction: a process that is killed leaves none half done.
+
+    Parameters
+    ----------
+    address : str
+    create : bool
+        Make the tables if there are none.
+
+    Raises
+    ------
+    InputError
+        If there is no database of a lot, or its tables are of another version.
+    """
+
+    def __init__(self, address, create=False):
+        self.address = address
+        try:
+            self.engine = create_engine(address)
+            if self.engine.dialect.name == "sqlite":
+                event.listen(self.engine, "connect", _patient)
+            if not inspect(self.engine).has_table(FACTS.name):
+                if not create:
+                    raise InputError(f"{address} is no database of a lot: ncdc lot run makes one")
+                METADATA.create_all(self.engine)
+                self._add_fact("schema", str(SCHEMA))
+            schema = self.fact("schema")
+        except (SQLAlchemyError, ImportError) as error:
+            raise InputError(f"cannot open the database {address}: {_reason(error)}") from error
+        if schema != str(SCHEMA):
+            raise InputError(f"{address} has tables of version {schema}, version {SCHEMA} is "
+                             f"needed")
+
+    def close(self):
+        """End the connections."""
+        self.engine.dispose()
+
+    def fact(self, name):
+        """Text of a fact about the lot; None without it."""
+        with self.engine.connect() as connection:
+            return connection.scalar(select(FACTS.c.value).where(FACTS.c.name == name))
+
+    def _add_fact(self, name, value):
+        with self.engine.begin() as connection:
+            connection.execute(insert(FACTS).values(name=name, value=value))
+
+    def begin(self, options, units, station):
+        """Add ``units`` that are not there yet, and end the open tries of ``station``.
+
+        Parameters
+        ----------
+        options : dict
+            What is done with every unit; the same in every run of a lot.
+        units : iterable of Unit
+        station : str
+
+        Raises
+        ------
+        InputError
+            If the lot was begun with other options; the message names the first one.
+        """
+        text = json.dumps(options, sort_keys=True)
+        begun = self.fact("request")
+        if begun is None:
+            self._add_fact("request", text)
+        elif begun != text:
+            before = json.loads(begun)
+            name = next(key for key in options if before.get(key) != options[key])
+            raise InputError(f"the lot was begun with {name} {before.get(name)}, this run has "
+                             f"{options[name]}: another -o, or the same options")
+        with self.engine.begin() as connection:
+            number = connection.scalar(select(func.coalesce(func.max(UNITS.c.number), 0)))
+            units = iter(units)
+            while some := list(islice(units, _BATCH)):
+                serials = [unit.serial for unit in some]
+                there = set(connection.scalars(select(UNITS.c.serial).where(
+                    UNITS.c.serial.in_(serials))))
+                new = [unit for unit in some if unit.serial not in there]
+                rows = [{"serial": unit.serial, "number": number + k,
+                         "station": unit.station or station, "photos": json.dumps(unit.photos)}
+                        for k, unit in enumerate(new, 1)]
+                number += len(rows)
+                if rows:
+                    connection.execute(insert(UNITS), rows)
+            connection.execute(update(TRIES).values(end=INTERRUPTED).where(
+                TRIES.c.end.is_(None), TRIES.c.station == station))
+
+    def waiting(self, suspects):
+        """Yield (serial, photos, number of deaths) of the units without a verdict, in their order.
+
+        ``suspects``: those whose worker died, or the others. A unit that another station works on
+        is left to it.
+        """
+        deaths = (select(func.count()).where(TRIES.c.serial == UNITS.c.serial,
+                                             TRIES.c.end == DIED).scalar_subquery())
+        running = (select(TRIES.c.serial).where(TRIES.c.serial == UNITS.c.serial,
+                                                TRIES.c.end.is_(None)).exists())
+        last = 0
+        while True:
+            with self.engine.connect() as connection:
+                rows = connection.execute(
+                    select(UNITS.c.serial, UNITS.c.photos, UNITS.c.number, deaths).where(
+                        UNITS.c.verdict.is_(None), UNITS.c.number > last, ~running,
+                        deaths > 0 if suspects else deaths == 0)
+                    .order_by(UNITS.c.number).limit(_BATCH)).all()
+            if not rows:
+                return
+            for serial, photos, last, died in rows:
+                yield serial, json.loads(photos), died
+
+    def start(self, serial, station):
+        """Number of a new try of a unit; the first is 1."""
+        with self.engine.begin() as connection:
+            number = 1 + connection.scalar(select(func.count()).where(TRIES.c.serial == serial))
+            connection.execute(insert(TRIES).values(serial=serial, number=number,
+                                                    station=station, started=_now()))
+        return number
+
+    def end(self, serial, number, end):
+        """End a try as DIED or INTERRUPTED: the unit waits again."""
+        with self.engine.begin() as connection:
+            connection.execute(_ended(serial, number, end))
+
+    def save(self, serial, number, outcome, verdict, seed):
+        """Record the :class:`ncdc.lot.work.Outcome` of a try; whether the unit had no verdict.
+
+        What is recorded never changes: a second outcome of a unit is dropped.
+
+        ``verdict``: result of :func:`ncdc.lot.figures.judge`.
+        """
+        verdict, cause, reasons = verdict
+        with self.engine.begin() as connection:
+            done = connection.execute(update(UNITS).where(
+                UNITS.c.serial == serial, UNITS.c.verdict.is_(None)).values(
+                    verdict=verdict, cause=cause, reasons=json.dumps(reasons), seed=seed,
+                    photo_hashes=json.dumps(outcome.photo_hashes), software=version("ncdc"),
+                    digest=outcome.digest or None, worker=outcome.worker, judged=_now(),
+                    seconds=outcome.seconds,
+                    **{figure.name: outcome.figures.get(figure.name) for figure in FIGURES}))
+            if done.rowcount:
+                files = {_NET: zlib.compress(outcome.descriptor.encode()),
+                         _PICTURE: outcome.picture}
+                rows = [{"serial": serial, "name": name, "content": content}
+                        for name, content in files.items()
+                        if (outcome.descriptor if name == _NET else content)]
+                if rows:
+                    connection.execute(insert(FILES), rows)
+            connection.execute(_ended(serial, number, JUDGED))
+        return bool(done.rowcount)
+
+    def counts(self):
+        """Number of units by verdict, and of all as ``units``."""
+        with self.engine.connect() as connection:
+            found = dict(connection.execute(
+                select(UNITS.c.verdict, func.count()).group_by(UNITS.c.verdict)).all())
+        return {"units": sum(found.values()), **{name: found.get(name, 0) for name in VERDICTS}}
+
+    def unit(self, serial):
+        """Row of a unit as a dict, lists instead of JSON, with the number of ``tries``.
+
+        Raises
+        ------
+        InputError
+            If there is no such unit.
+        """
+        with self.engine.connect() as connection:
+            row = connection.execute(select(UNITS).where(
+                UNITS.c.serial == serial)).mappings().one_or_none()
+            tries = connection.scalar(select(func.count()).where(TRIES.c.serial == serial))
+        if row is None:
+            raise InputError(f"the lot has no unit {serial}")
+        return unpacked(row) | {"tries": tries}
+
+    def descriptor(self, serial):
+        """Text of a unit's descriptor; None without one."""
+        content = self._file(serial, _NET)
+        return None if content is None else zlib.decompress(content).decode()
+
+    def picture(self, serial):
+        """JPEG of a unit; None without one."""
+        return self._file(serial, _PICTURE)
+
+    def _file(self, serial, name):
+        with self.engine.connect() as connection:
+            return connection.scalar(select(FILES.c.content).where(
+                FILES.c.serial == serial, FILES.c.name == name))
+
+    def rows(self):
+        """Yield the row of every judged unit as a dict, in the order of the lot."""
+        last = 0
+        while True:
+            with self.engine.connect() as connection:
+                found = connection.execute(
+                    select(UNITS).where(UNITS.c.verdict.is_not(None), UNITS.c.number > last)
+                    .order_by(UNITS.c.number).limit(_BATCH)).mappings().all()
+            if not found:
+                return
+            yield from map(unpacked, found)
+            last = found[-1]["number"]
+
+    def columns(self, names):
+        """Values of some columns of every judged unit, in the order of judgement, by name.
+
+        Numbers are an array with not-a-number for NULL, of 8 bytes a unit; times are seconds since
+        1970; of texts the array has the position in a list, which is the second of a pair.
+        """
+        wanted = [UNITS.c[name] for name in names]
+        query = select(*wanted).where(UNITS.c.verdict.is_not(None)).order_by(UNITS.c.judged,
+                                                                             UNITS.c.number)
+        count = sum(self.counts()[verdict] for verdict in VERDICTS)
+        found = {name: np.full(count, np.nan) for name in names}
+        texts = {column.name: {} for column in wanted if isinstance(column.type, String)}
+        with self.engine.connect().execution_options(yield_per=_BATCH) as connection:
+            for k, row in zip(range(count), connection.execute(query)):
+                for name, value in zip(names, row):
+                    if name in texts:
+                        value = texts[name].setdefault(value, len(texts[name]))
+                    elif isinstance(value, datetime):
+                        value = value.replace(tzinfo=UTC).timestamp()
+                    if value is not None:
+                        found[name][k] = value
+        return found | {name: (found[name].astype(int), list(known))
+                        for name, known in texts.items()}
+
+
+def unpacked(row):
+    """A row of the table of units with lists instead of JSON."""
+    packed = ("photos", "photo_hashes", "reasons")
+    return dict(row) | {name: json.loads(row[name] or "[]") for name in packed}
+
+
+def _ended(serial, number, end):
+    return update(TRIES).values(end=end).where(TRIES.c.serial == serial,
+                                               TRIES.c.number == number)
+
+
+def _patient(connection, _record):
+    """A second process, as the report's, waits until a transaction is over."""
+    connection.execute("PRAGMA busy_timeout = 30000")
+
+
+def _reason(error):
+    """First line of an error of the database itself."""
+    return str(getattr(error, "orig", None) or error).splitlines()[0]
+
+
+def _now():
+    """Time in UTC; the columns have no zone."""
+    return datetime.now(UTC).replace(tzinfo=None)

@@ -1,0 +1,65 @@
+"""The tables of a lot's database."""
+
+from sqlalchemy import (
+    Column,
+    DateTime,
+    Float,
+    ForeignKey,
+    Index,
+    Integer,
+    LargeBinary,
+    MetaData,
+    String,
+    Table,
+    Text,
+)
+
+from ncdc.lot.figures import FIGURES
+
+__all__ = ["FILES", "FACTS", "METADATA", "SCHEMA", "TRIES", "UNITS"]
+
+SCHEMA = 1              # counts changes of these tables
+
+METADATA = MetaData()
+
+# What holds for the whole lot: ``schema``, and ``request``, the options as JSON.
+FACTS = Table("facts", METADATA,
+              Column("name", String(40), primary_key=True),
+              Column("value", Text, nullable=False))
+
+# One row per unit. ``verdict`` is NULL as long as the unit waits for its work.
+UNITS = Table(
+    "units", METADATA,
+    Column("serial", String(32), primary_key=True),
+    Column("number", Integer, nullable=False, unique=True),     # position in the lot
+    Column("station", String(63), nullable=False),
+    Column("photos", Text, nullable=False),                     # addresses, JSON
+    Column("photo_hashes", Text),                               # SHA-256 each, JSON
+    Column("verdict", String(4)),                               # pass, look, fail
+    Column("cause", String(80)),                                # of fail or look, a few words
+    Column("reasons", Text),                                    # sentences, JSON
+    Column("software", String(40)),                             # version of NCDC
+    Column("seed", Integer),
+    Column("digest", String(12)),                               # of the descriptor
+    Column("worker", String(255)),                              # name of the machine
+    Column("judged", DateTime),                                 # UTC
+    Column("seconds", Float),
+    *(Column(figure.name, Float) for figure in FIGURES),
+    Index("units_by_verdict", "verdict"),
+    Index("units_by_time", "judged"))
+
+# One row per start of the work on a unit.
+TRIES = Table(
+    "tries", METADATA,
+    Column("serial", String(32), ForeignKey("units.serial"), primary_key=True),
+    Column("number", Integer, primary_key=True),                # 1 is the first
+    Column("station", String(63), nullable=False),              # where the run was started
+    Column("started", DateTime, nullable=False),                # UTC
+    Column("end", String(12)))      # judged, died (its worker), interrupted; NULL while it runs
+
+# What belongs to a unit: ``net.toml`` (compressed by zlib) and ``picture.jpg``.
+FILES = Table(
+    "files", METADATA,
+    Column("serial", String(32), ForeignKey("units.serial"), primary_key=True),
+    Column("name", String(40), primary_key=True),
+    Column("content", LargeBinary, nullable=False))

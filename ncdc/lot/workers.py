@@ -1,0 +1,113 @@
+"""The workers of a lot: processes on this machine, or those of a Dask scheduler."""
+
+import logging
+import uuid
+from contextlib import contextmanager
+
+import dask
+from distributed import Client, KilledWorker, LocalCluster, wait
+
+from ncdc.lot.run import SchedulerLost
+from ncdc.lot.work import Outcome, process
+from ncdc_spec.errors import InputError
+
+__all__ = ["Workers", "connect"]
+
+_CHECK = 2.0            # seconds between two looks at whether the scheduler is there
+_TIMEOUT = 30.0         # seconds until a scheduler must answer and have a worker
+# A unit that ends its worker comes back at once: the lot counts its tries, not the scheduler.
+_LOCAL = {"distributed.scheduler.allowed-failures": 0,
+          "distributed.scheduler.worker-saturation": 1.0}
+
+
+@contextmanager
+def connect(scheduler=None, count=None):
+    """Yield :class:`Workers`.
+
+    Parameters
+    ----------
+    scheduler : str, optional
+        Address of a Dask scheduler, such as ``tcp://10.0.0.5:8786``. Without it ``count`` processes
+        are started on this machine, as many as processors if that is None, and ended afterwards.
+
+    Raises
+    ------
+    InputError
+        If no scheduler answers, or none of its workers is there in time.
+    """
+    logging.getLogger("distributed").setLevel(logging.CRITICAL)     # the lot says what happened
+    if scheduler is None:
+        with (dask.config.set(_LOCAL),
+              LocalCluster(n_workers=count, threads_per_worker=1, dashboard_address=None) as local,
+              Client(local) as client):
+            yield Workers(client)
+        return
+    try:
+        client = Client(scheduler, timeout=_TIMEOUT)
+    except (OSError, ValueError) as error:
+        raise InputError(f"no scheduler answers at {scheduler}") from error
+    try:
+        client.wait_for_workers(1, timeout=_TIMEOUT)
+        yield Workers(client)
+    except TimeoutError as error:
+        raise InputError(f"the scheduler at {scheduler} has no worker") from error
+    finally:
+        client.close(timeout=_CHECK)
+
+
+class Workers:
+    """Units that are being worked on, at most one for each thread of a worker."""
+
+    def __init__(self, client):
+        self.client, self._running = client, {}
+
+    def __len__(self):
+        return len(self._running)
+
+    @property
+    def running(self):
+        """Tags of the units that are being worked on."""
+        return list(self._running.values())
+
+    @property
+    def slots(self):
+        """How many units the workers can take at a time."""
+        return max(1, sum(self.client.nthreads().values()))
+
+    def submit(self, tag, photos, request):
+        """Start the work on a unit, which ``tag`` will name."""
+        future = self.client.submit(process, photos, request, key=f"unit-{uuid.uuid4().hex}",
+                                    pure=False)
+        self._running[future] = tag
+
+    def finished(self):
+        """Wait for a unit; a list of (tag, :class:`Outcome` or None if its worker died).
+
+        Raises
+        ------
+        SchedulerLost
+            If the scheduler has gone.
+        """
+        while True:
+            try:
+                done = wait(list(self._running), timeout=_CHECK,
+                            return_when="FIRST_COMPLETED").done
+            except TimeoutError:
+                done = ()
+            if self.client.status != "running":
+                raise SchedulerLost
+            if done:
+                return [(self._running.pop(future), _result(future)) for future in done]
+
+
+def _result(future):
+    """The outcome; None if the worker died."""
+    if future.status == "finished":
+        return future.result()
+    if future.status != "error":
+        raise SchedulerLost
+    error = future.exception()
+    if isinstance(error, KilledWorker):
+        return None
+    # Such as a worker without NCDC, or with another version of it.
+    return Outcome(error=f"the worker failed: {type(error).__name__}: {error}")

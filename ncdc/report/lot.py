@@ -1,0 +1,164 @@
+"""The page on a production lot: yield, figures, trend, outliers, and a row per unit."""
+
+import base64
+import json
+
+import numpy as np
+
+from ncdc.lot.figures import FIGURES, PASS, VERDICTS
+from ncdc.report.embedded import embedded_plot
+from ncdc.report.lot_plots import plot_histograms, plot_trend
+from ncdc.report.page import write_lot_page
+
+__all__ = ["control_limits", "write_report"]
+
+_SHOWN = 10             # outliers, and worst units, with a picture
+_SIGMAS = 3.0
+_DEVIATION = 1.4826     # standard deviation over median absolute deviation, if normal
+_JUDGED = tuple(figure for figure in FIGURES if figure.name not in ("points", "photos_used"))
+
+
+def control_limits(values):
+    """Median, and the limits that 99.7 % of units keep if nothing is wrong: (low, middle, high).
+
+    The limits are three standard deviations from the median, by the median absolute deviation:
+    bad units do not widen them. Not-a-number without values.
+    """
+    values = values[np.isfinite(values)]
+    if not len(values):
+        return np.nan, np.nan, np.nan
+    middle = float(np.median(values))
+    reach = _SIGMAS * _DEVIATION * float(np.median(np.abs(values - middle)))
+    return middle - reach, middle, middle + reach
+
+
+def write_report(path, database, title):
+    """Write the page on the lot in a :class:`ncdc.lot.database.Database`; return its figures.
+
+    Numbers of all units are in memory, 8 bytes each; rows and pictures are not.
+    """
+    counts, options = database.counts(), json.loads(database.fact("request"))
+    table = database.columns(["serial", "verdict", "cause", "station", "judged", "seconds",
+                              *(figure.name for figure in FIGURES)])
+    control = {figure.name: control_limits(table[figure.name]) for figure in _JUDGED}
+    far = _far(table, control)
+    plots = [(figure, table[figure.name], control[figure.name],
+              [limit for option in (figure.low, figure.high)
+               if (limit := options.get(option)) is not None]) for figure in _JUDGED]
+    sections = [
+        {"title": "Yield", "text": _yield_text(counts), "rows": _stations(table)},
+        {"title": "Causes", "rows": _causes(table)} if table["cause"][1] else None,
+        {"title": "Figures",
+         "text": "Bars: units. Dashed: control limits, three standard deviations from the median "
+                 "as the middle units scatter. Red: limits of the verdict.",
+         "pictures": [embedded_plot(plot_histograms, plots)], "rows": _statistics(plots)},
+        {"title": "Trend", "text": "Units in the order of judgement, each station in a colour. "
+         "Dashed: control limits. Red: limits of the verdict.",
+         "pictures": [embedded_plot(plot_trend, plots, *table["station"])]}]
+    outliers, worst = _outliers(database, table, far), _worst(database, table)
+    write_lot_page(path, title, _lead(database, counts, options), list(filter(None, sections)),
+                   groups=[("Outliers", f"{int((far > 1).sum())} units have a figure outside its "
+                            f"control limits; these are the farthest.", outliers),
+                           ("Worst ten", "The largest errors of the map.", worst)],
+                   columns=["unit", "verdict", "cause", "station", "judged (UTC)",
+                            *(f"{figure.title}, {figure.unit}".rstrip(", ") for figure in FIGURES)],
+                   rows=map(_row, database.rows()))
+    return {**counts, "outliers": int((far > 1).sum()),
+            "control_limits": {name: list(limits) for name, limits in control.items()}}
+
+
+def _lead(database, counts, options):
+    waiting = counts["units"] - sum(counts[name] for name in VERDICTS)
+    return (f"{counts['units']} units{f', of which {waiting} wait' if waiting else ''}. Target "
+            f"{options['target']}, {options['neurons'] or 'the fewest'} hidden neurons, seed "
+            f"{options['seed']}.")
+
+
+def _yield_text(counts):
+    judged = max(1, sum(counts[name] for name in VERDICTS))
+    return ", ".join(f"{counts[name]} {name} ({100 * counts[name] / judged:.1f} %)"
+                     for name in VERDICTS) + "."
+
+
+def _stations(table):
+    """Rows of the table of stations."""
+    number, names = table["station"]
+    verdict, verdicts = table["verdict"]
+    passed = verdict == (verdicts.index(PASS) if PASS in verdicts else -1)
+    rows = [("station", "units", "pass", "largest error, median", "seconds a unit")]
+    for k, name in enumerate(names):
+        on = number == k
+        rows.append((name, int(on.sum()), f"{100 * passed[on].mean():.1f} %",
+                     _median(table["max_error_px"][on], "px", 3),
+                     _median(table["seconds"][on], "s", 1)))
+    return rows
+
+
+def _median(values, unit, digits):
+    values = values[np.isfinite(values)]
+    return f"{np.median(values):.{digits}f} {unit}" if len(values) else "-"
+
+
+def _causes(table):
+    """Rows of the table of causes, most frequent first."""
+    number, names = table["cause"]
+    found = sorted(((int((number == k).sum()), name) for k, name in enumerate(names) if name),
+                   reverse=True)
+    return [("cause", "units"), *((name, count) for count, name in found)]
+
+
+def _statistics(plots):
+    rows = [("figure", "median", "control limits", "outside", "limits")]
+    for figure, values, (low, middle, high), limits in plots:
+        if not np.isfinite(middle):
+            continue
+        outside = int(((values < low) | (values > high)).sum())
+        rows.append((figure.title, figure.text(middle),
+                     f"{figure.text(low)} to {figure.text(high)}", outside,
+                     ", ".join(map(figure.text, limits)) or "-"))
+    return rows
+
+
+def _far(table, control):
+    """How far each unit is out, at most, as a part of the control limits' distance."""
+    far = np.zeros(len(table["seconds"]))
+    for name, (low, middle, high) in control.items():
+        if high > low:
+            off = np.abs(table[name] - middle) / (high - middle)
+            far = np.fmax(far, off)
+    return far
+
+
+def _outliers(database, table, far):
+    order = np.argsort(-far, kind="stable")[:_SHOWN]
+    return [_card(database, table, k) for k in order if far[k] > 1]
+
+
+def _worst(database, table):
+    error = table["max_error_px"]
+    order = np.argsort(np.where(np.isfinite(error), -error, np.inf), kind="stable")[:_SHOWN]
+    return [_card(database, table, k) for k in order if np.isfinite(error[k])]
+
+
+def _card(database, table, k):
+    """What the page shows of unit ``k`` of the table: its row, and its picture."""
+    number, names = table["serial"]
+    row = database.unit(names[number[k]])
+    picture = database.picture(row["serial"])
+    return {"serial": row["serial"], "verdict": row["verdict"],
+            "text": "; ".join(row["reasons"]) or _figures(row),
+            "picture": "data:image/jpeg;base64," + base64.b64encode(picture).decode()
+            if picture else ""}
+
+
+def _figures(row):
+    return ", ".join(f"{figure.title} {figure.text(row[figure.name])}" for figure in _JUDGED)
+
+
+def _row(row):
+    """Row of the table of all units, as JSON that a script element can hold."""
+    cells = [row["serial"], row["verdict"], row["cause"], row["station"],
+             f"{row['judged']:%Y-%m-%d %H:%M:%S}",
+             *(None if row[figure.name] is None else round(row[figure.name], figure.digits + 1)
+               for figure in FIGURES), row["reasons"]]
+    return json.dumps(cells).replace("<", "\\u003c")

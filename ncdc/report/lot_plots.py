@@ -1,0 +1,82 @@
+"""Plots of a production lot: a histogram of each figure, and its course over time."""
+
+import numpy as np
+from matplotlib.figure import Figure
+
+__all__ = ["plot_histograms", "plot_trend"]
+
+_COLUMNS = 3
+_BINS = 40
+_REACH = 3.0            # of the control limits' distance: farther units are in the last bar
+_DRAWN = 5000           # units that are drawn as dots: of more some are left out
+
+
+def plot_histograms(path, plots):
+    """Write a PNG of histograms.
+
+    ``plots``: (Figure of the lot, values, (low, middle, high) control limits, limits) each.
+    """
+    figure, axes = _grid(len(plots), 2.5)
+    for one, (about, values, control, limits) in zip(axes, plots):
+        values = values[np.isfinite(values)]
+        low, high = _range(values, control, limits)
+        one.hist(np.clip(values, low, high), _BINS, range=(low, high), color="#7a9cc6")
+        for limit in (control[0], control[2]):
+            one.axvline(limit, color="0.3", linestyle="--", linewidth=1)
+        for limit in _drawn(limits, low, high):
+            one.axvline(limit, color="#b00020", linewidth=1.5)
+        one.set(xlabel=_label(about), ylabel="units")
+    figure.savefig(path, dpi=110)
+
+
+def plot_trend(path, plots, station, names):
+    """Write a PNG of each figure over the units in the order of judgement.
+
+    ``plots`` as of :func:`plot_histograms`; ``station``: number of each unit's station in
+    ``names``.
+    """
+    figure, axes = _grid(len(plots), 2.2)
+    step = max(1, -(-len(station) // _DRAWN))
+    for one, (about, values, control, limits) in zip(axes, plots):
+        low, high = _range(values[np.isfinite(values)], control, limits)
+        for number, name in enumerate(names):
+            at = np.flatnonzero(station == number)[::step]
+            one.plot(at + 1, np.clip(values[at], low, high), ".", markersize=3, label=name)
+        for limit in (control[0], control[2]):
+            one.axhline(limit, color="0.3", linestyle="--", linewidth=1)
+        for limit in _drawn(limits, low, high):
+            one.axhline(limit, color="#b00020", linewidth=1.5)
+        one.set(xlabel="unit", ylabel=_label(about))
+    if len(names) > 1:
+        axes[0].legend(fontsize="small")
+    figure.savefig(path, dpi=110)
+
+
+def _grid(count, height):
+    rows = -(-count // _COLUMNS)
+    figure = Figure(figsize=(12, height * rows), layout="constrained")
+    axes = figure.subplots(rows, _COLUMNS, squeeze=False).ravel()
+    for one in axes[count:]:
+        one.set_axis_off()
+    return figure, axes
+
+
+def _range(values, control, limits):
+    """Ends of an axis: the values, but no more than some times the control limits' distance."""
+    if not len(values):
+        return 0.0, 1.0
+    low, middle, high = control
+    ends = [middle - _REACH * (middle - low), middle + _REACH * (high - middle)]
+    first, last = max(values.min(), ends[0]), min(values.max(), ends[1])
+    near = [limit for limit in limits if ends[0] <= limit <= ends[1]]
+    first, last = min([first, low, *near]), max([last, high, *near])
+    return (first, last) if last > first else (first - .5, last + .5)
+
+
+def _drawn(limits, low, high):
+    """Limits on the axis; those of a magnitude on both sides."""
+    return [limit for limit in (*limits, *(-limit for limit in limits)) if low <= limit <= high]
+
+
+def _label(about):
+    return f"{about.title}, {about.unit}" if about.unit else about.title

@@ -1,0 +1,234 @@
+"""``ncdc lot``: which units there are, limits and verdicts, resuming, deaths of workers."""
+
+import json
+import shutil
+import zipfile
+
+import cv2
+import numpy as np
+import pytest
+
+from lots import GOOD, begun, driven, outcome
+from ncdc.cli import main
+from ncdc.lot.figures import FIGURES, LIMITS, judge
+from ncdc.lot.run import SchedulerLost
+from ncdc.lot.units import Unit, find_units, local_photos
+from ncdc.lot.work import Request, process
+from ncdc_bench.lot.units import make_unit, write_photos
+from ncdc_model.calibration.detect import detect_points
+from ncdc_model.images import read_image
+from ncdc_model.training.pipeline import train_camera
+from ncdc_model.training.source import load_source
+from ncdc_spec.errors import InputError
+
+
+def touched(folder, *names):
+    for name in names:
+        (folder / name).parent.mkdir(parents=True, exist_ok=True)
+        (folder / name).write_bytes(name.encode())
+
+
+@pytest.fixture
+def photos(tmp_path):
+    """A folder of three units, the last one without photos."""
+    touched(tmp_path / "units", "U10/2.png", "U10/10.png", "U10/note.txt", "U9/a.png",
+            "U9/points.overlay.png", ".trash/a.png", "notes.txt")
+    (tmp_path / "units" / "empty").mkdir()
+    return tmp_path / "units"
+
+
+def names(units):
+    return {unit.serial: [photo.rpartition("/")[2] for photo in unit.photos] for unit in units}
+
+
+def test_units_are_folders(photos):
+    units = find_units(str(photos))
+    assert names(units) == {"empty": [], "U9": ["a.png"], "U10": ["2.png", "10.png"]}
+    assert [unit.serial for unit in units] == ["empty", "U9", "U10"]
+
+
+def test_units_are_in_an_archive(photos, tmp_path):
+    archive = shutil.make_archive(str(tmp_path / "lot"), "zip", photos)
+    units = find_units(f"zip://::{archive}")
+    assert [unit.serial for unit in units if unit.photos] == ["U9", "U10"]
+    with local_photos(units[-1].photos) as paths:
+        assert [open(path).read() for path in paths] == ["U10/2.png", "U10/10.png"]
+
+
+def test_units_are_in_a_csv(photos, tmp_path):
+    table = tmp_path / "lot.csv"
+    table.write_text("unit,photo,station\nA,units/U9/a.png,S1\nB,units/U10/2.png,S2\n"
+                     f"A,{photos}/U10/10.png,S1\n")
+    first, second = find_units(str(table))
+    assert (first.serial, first.station, second.station) == ("A", "S1", "S2")
+    assert [open(path).read() for path in first.photos] == ["U9/a.png", "U10/10.png"]
+
+
+@pytest.mark.parametrize("text,message", [
+    ("serial,photo\nA,a.png\n", "has the columns serial, photo; unit, photo and"),
+    ("unit,photo\nA,\n", "line 2 lacks a unit or a photo"),
+    ("unit,photo\nA,a,b\n", "line 2 .* more cells than the first line"),
+    ("unit,photo\n", "has no unit"),
+    ("unit,photo\na/b,a.png\n", "'a/b' has a serial number that is no name"),
+    ("unit,photo\n" + "A" * 33 + ",a.png\n", "up to 32 letters"),
+    ("unit,photo,station\nA,a,S1\nA,b,S2\n", "line 3 has the station 'S2' for the unit A"),
+    ("\xff", "cannot read")])
+def test_a_bad_csv_is_rejected(tmp_path, text, message):
+    (tmp_path / "lot.csv").write_bytes(text.encode("latin-1"))
+    with pytest.raises(InputError, match=message):
+        find_units(str(tmp_path / "lot.csv"))
+
+
+@pytest.mark.parametrize("source,message", [
+    ("nothing", "there is no such folder"), ("nothing.csv", "No such file"),
+    ("nonsense://lot", "cannot read nonsense://lot"), ("zip://::nothing.zip", "cannot read")])
+def test_a_source_that_is_not_there_is_rejected(tmp_path, monkeypatch, source, message):
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(InputError, match=message):
+        find_units(source)
+
+
+def test_an_archive_without_a_photo_is_an_error_of_the_unit(tmp_path):
+    with zipfile.ZipFile(tmp_path / "lot.zip", "w") as archive:
+        archive.writestr("A/a.png", b"no picture")
+    done = process([f"zip://A/b.png::{tmp_path}/lot.zip"], Request())
+    assert "cannot read zip://A/b.png" in done.error
+    assert "a.png" in process([f"zip://A/a.png::{tmp_path}/lot.zip"], Request()).error
+    assert process([], Request()).error == "the unit has no photo"
+
+
+@pytest.mark.parametrize("name,value,option,limit", [
+    (figure.name, 2 * (GOOD[figure.name] or 1) * sign, option, 1.5 * (abs(GOOD[figure.name]) or 1))
+    for figure in FIGURES for option, sign in ((figure.high, 1), (figure.high, -1)) if option] + [
+    (figure.name, GOOD[figure.name] / 2, figure.low, .75 * GOOD[figure.name])
+    for figure in FIGURES if figure.low])
+def test_each_limit_fails_a_unit_with_its_reason(name, value, option, limit):
+    limits = {limit: None for limit in LIMITS} | {option: limit}
+    title = next(figure.title for figure in FIGURES if figure.name == name)
+    assert judge(GOOD, [], "", limits) == ("pass", "", [])
+    verdict, cause, [reason] = judge(GOOD | {name: value}, [], "", limits)
+    assert (verdict, cause) == ("fail", title)
+    assert reason.startswith(f"{title}: ") and f"imum is {limit:g}" in reason
+
+
+def test_a_warning_asks_for_a_look_and_no_network_fails():
+    assert judge(GOOD, ["noise"], "", LIMITS) == ("look", "warning", ["noise"])
+    assert judge({}, [], "no target", LIMITS) == ("fail", "no network", ["no target"])
+    assert judge(GOOD | {"max_error_px": float("nan")}, [], "", LIMITS)[0] == "fail"
+
+
+def test_a_resumed_lot_loses_nothing_and_repeats_nothing(tmp_path):
+    seen = []
+
+    def answer(serial, number):
+        seen.append(serial)
+        if len(seen) in (3, 5):
+            raise SchedulerLost
+        return outcome()
+    database, runs = begun(tmp_path), []
+    while database.counts()["pass"] < 6:
+        runs.append(driven(database, answer))
+        database.close()
+        database = begun(tmp_path)
+    assert [lost for _, lost in runs] == [True, True, False]
+    judged = [one.serial for done, _ in runs for one in done]
+    assert judged == ["U1", "U2", "U3", "U4", "U5", "U6"]
+    assert [database.unit(f"U{k}")["tries"] for k in range(1, 7)] == [1, 1, 2, 3, 2, 1]
+    assert driven(database, answer) == ([], False)
+
+
+def test_a_killed_driver_leaves_its_units_waiting(tmp_path):
+    """Its tries have no end: the next run of its station ends them, not that of another one."""
+    database = begun(tmp_path)
+    database.start("U2", "bench")
+    assert len(driven(database, lambda *tag: outcome())[0]) == 5
+    begun(tmp_path, station="other")
+    assert driven(database, lambda *tag: outcome())[0] == []
+    begun(tmp_path, station="bench")
+    assert [one.serial for one in driven(database, lambda *tag: outcome())[0]] == ["U2"]
+
+
+def test_a_unit_that_ends_its_worker_fails_alone(tmp_path):
+    database = begun(tmp_path)
+    done, _ = driven(database, lambda serial, number: None if serial == "U3" else outcome(), 3)
+    verdicts = {one.serial: one.verdict for one in done}
+    assert verdicts == {f"U{k}": "fail" if k == 3 else "pass" for k in range(1, 7)}
+    assert "ended its worker 3 times" in database.unit("U3")["reasons"][0]
+    assert database.unit("U3")["tries"] == 4 and database.unit("U4")["tries"] == 2
+
+
+def test_a_verdict_never_changes(tmp_path):
+    database = begun(tmp_path, 1)
+    first, second = database.start("U1", "bench"), database.start("U1", "other")
+    assert database.save("U1", second, outcome(), ("pass", "", []), 0)
+    assert not database.save("U1", first, outcome(), ("fail", "", ["late"]), 0)
+    row = database.unit("U1")
+    assert (row["verdict"], row["tries"]) == ("pass", 2)
+    assert row["photo_hashes"] == ["00" * 32] and row["software"] and row["judged"]
+    assert database.descriptor("U1") == "version = 1\n" and database.picture("U1") == b"jpeg"
+
+
+def test_other_options_are_rejected(tmp_path):
+    database = begun(tmp_path)
+    with pytest.raises(InputError, match="begun with seed 0, this run has 1"):
+        database.begin(json.loads(database.fact("request")) | {"seed": 1}, [], "bench")
+
+
+@pytest.mark.parametrize("arguments,message", [
+    ("nothing", "there is no such folder"),
+    ("units --max-error nan", "--max-error is nan"),
+    ("units --min-coverage 101", "--min-coverage is 101 %, the maximum is 100"),
+    ("units --min-focal 5 --max-focal 4", "--min-focal is 5 px, more than --max-focal"),
+    ("units --workers 0", "--workers is 0, the minimum is 1"),
+    ("units --workers 1 --scheduler tcp://a:1", "the scheduler has its own"),
+    ("units --target page", "target is 'page'"), ("units --neurons 40", "the limits are 1 and 32"),
+    ("units --seed -1", "seed is -1"), ("units --zoom wide", "zoom is 'wide'"),
+    ("units --size 10", "size is '10'"),
+    ("units -o nonsense://lot", "cannot open the database"), ("units -o note.txt", "cannot write")])
+def test_bad_input_is_one_sentence(photos, monkeypatch, capsys, arguments, message):
+    monkeypatch.chdir(photos.parent)
+    touched(photos.parent, "note.txt")
+    before = sorted(photos.parent.rglob("*"))
+    assert main(["lot", "run", *arguments.split()]) == 2
+    said = capsys.readouterr().err
+    assert message in said and said.count("\n") == 1, said
+    assert sorted(photos.parent.rglob("*")) == before
+
+
+@pytest.mark.parametrize("action", ["report", "show", "compare"])
+def test_a_lot_that_is_not_there_is_rejected(tmp_path, monkeypatch, capsys, action):
+    monkeypatch.chdir(tmp_path)
+    more = {"report": [], "show": ["U1"], "compare": ["other"]}[action]
+    assert main(["lot", action, "lot", *more]) == 2
+    assert "lot holds no lot: there is no lot/lot.db" in capsys.readouterr().err
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_the_work_is_that_of_calibrate_and_train(tmp_path):
+    write_photos(tmp_path, make_unit(3))
+    path = str(tmp_path / "U0003" / "0.png")
+    black = str(tmp_path / "black.png")
+    cv2.imwrite(black, np.zeros((240, 320), np.uint8))
+    done = process([path, black], Request("dots", neurons=2, bayer="MONO"))
+    assert not done.error and len(done.photo_hashes) == 2
+    assert any("black.png" in text for text in done.warnings)
+    detect_points([("0.png", read_image(path))], "dots").save(tmp_path / "points.json")
+    source = load_source(tmp_path / "points.json", bayer="MONO")
+    assert done.digest == train_camera(source, 2).descriptor.digest
+    assert done.digest and done.figures["photos_used"] == 1 and done.figures["points"] > 300
+    shown = cv2.imdecode(np.frombuffer(done.picture, np.uint8), cv2.IMREAD_COLOR)
+    assert shown.shape == (240, 320, 3)
+
+
+def test_an_error_of_the_software_fails_its_unit_alone(tmp_path, monkeypatch):
+    write_photos(tmp_path, make_unit(3))
+    monkeypatch.setattr("ncdc.lot.work.judged", lambda points: 1 / 0)
+    monkeypatch.setattr("ncdc.lot.work.detect_points", lambda images, target: GOOD)
+    done = process([str(tmp_path / "U0003" / "0.png")], Request())
+    assert "the software failed: AttributeError" in done.error and done.picture
+
+
+def test_a_serial_number_is_a_name():
+    for serial in ("", ".hidden", "a b", "a/b", "ä"):
+        with pytest.raises(InputError, match="a serial number that is no name"):
+            Unit(serial, ())

@@ -1,0 +1,111 @@
+"""``ncdc lot report``, ``show`` and ``compare`` on a lot whose figures are known."""
+
+import json
+import re
+
+import numpy as np
+import pytest
+
+from lots import begun, driven, outcome
+from ncdc.cli import main
+from ncdc.lot.work import Outcome
+from ncdc.report.lot import control_limits
+
+_COUNT = 40
+
+
+def answer(serial, number, shift=0.0):
+    """Good figures with some spread; one unit far out, one beyond a limit, one without a network,
+    one to look at."""
+    rng = np.random.default_rng(int(serial[1:]))
+    one = outcome(focal_px=171 + shift + rng.normal(0, .5), max_error_px=.2 + rng.normal(0, .01),
+                  roll_deg=rng.normal(0, .3))
+    one.figures |= {"U7": {"focal_px": 190.0}, "U8": {"max_error_px": .7}}.get(serial, {})
+    one.warnings = ["0.png: </script> is noisy"] if serial == "U9" else []
+    return Outcome(error="no photo shows the target") if serial == "U10" else one
+
+
+@pytest.fixture(scope="module")
+def lots(tmp_path_factory):
+    """Folder with the lots ``march`` and ``april``, whose lenses are 2 px longer."""
+    folder = tmp_path_factory.mktemp("lots")
+    for name, shift in (("march", 0.0), ("april", 2.0)):
+        (folder / name).mkdir()
+        database = begun(folder / name, _COUNT)
+        assert len(driven(database, lambda *tag: answer(*tag, shift))[0]) == _COUNT
+        database.close()
+    return folder
+
+
+@pytest.fixture
+def here(lots, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "march").symlink_to(lots / "march")
+    (tmp_path / "april").symlink_to(lots / "april")
+    return tmp_path
+
+
+def test_a_page_has_yield_outliers_and_every_unit(here, capsys):
+    assert main(["lot", "report", "march", "-o", "lot.html", "--parquet", "lot.parquet",
+                 "--json", "-"]) == 0
+    report, page = json.loads(capsys.readouterr().out), (here / "lot.html").read_text()
+    assert [report[name] for name in ("units", "pass", "look", "fail")] == [40, 37, 1, 2]
+    assert "37 pass (92.5 %), 1 look (2.5 %), 2 fail (5.0 %)." in page
+    [text] = re.findall(r'<script type="application/json" id="rows">(.*?)</script>', page,
+                        re.DOTALL)
+    rows = json.loads(text)
+    assert [row[0] for row in rows] == [f"U{k}" for k in range(1, _COUNT + 1)]
+    assert rows[8][-1] == ["0.png: </script> is noisy"]
+    low, middle, high = report["control_limits"]["focal_px"]
+    assert 169 < low < 170.5 < middle < 171.5 < high < 173
+    cards = re.search("<h2>Outliers</h2>(.*?)<h2>Worst ten", page, re.DOTALL)[1]
+    assert "<b>U7</b>" in cards and "<b>U8</b>" in cards and "data:image/jpeg;base64" in cards
+    assert re.search("<h2>Worst ten</h2>.*?<b>(U[0-9]+)</b>", page, re.DOTALL)[1] == "U8"
+    for cause in ("no network", "largest error of the map", "warning"):
+        assert f"<td>{cause}</td>" in page
+    from pyarrow import parquet
+    table = parquet.read_table(here / "lot.parquet")
+    assert table.num_rows == _COUNT and table["focal_px"][6].as_py() == 190.0
+    assert table["reasons"][9].as_py() == ["no photo shows the target"]
+
+
+def test_control_limits_do_not_widen_for_bad_units():
+    rng = np.random.default_rng(1)
+    values = rng.normal(5, 1, 10000)
+    values[:500] = 1000
+    low, middle, high = control_limits(values)
+    assert abs(middle - 5) < .1 and abs(low - 2) < .3 and abs(high - 8) < .4
+    assert np.isnan(control_limits(np.array([np.nan]))).all()
+
+
+def test_a_unit_is_shown_with_its_files(here, capsys):
+    assert main(["lot", "show", "march", "U8", "-o", "unit"]) == 0
+    said = capsys.readouterr().out
+    assert said.startswith("U8: fail\n  largest error of the map: 0.700 px, the maximum is 0.5 px")
+    assert "/photos/8.png  sha256 0000" in said and "unit/net.toml" in said
+    assert (here / "unit/net.toml").read_text() == "version = 1\n"
+    assert (here / "unit/picture.jpg").read_bytes() == b"jpeg"
+    assert main(["lot", "show", "march", "U10", "-o", "none"]) == 2
+    assert "neither a descriptor nor a picture" in capsys.readouterr().err
+    assert main(["lot", "show", "march", "U99"]) == 2
+    assert "the lot has no unit U99" in capsys.readouterr().err
+
+
+def test_two_lots_are_compared(here, capsys):
+    assert main(["lot", "compare", "march", "april", "--json", "-"]) == 0
+    report = json.loads(capsys.readouterr().out)
+    shifts = {row["what"]: row.get("shift") for row in report["rows"]}
+    # Of the spread with the outlier in it.
+    assert .5 < float(shifts["focal length"]) < 4
+    assert shifts["largest error of the map"] == "+0.0"
+    assert report["units_in_both"] == _COUNT and report["units_differ"] == []
+    assert main(["lot", "compare", "march", "april"]) == 0
+    assert "40 units are in both, 0 of them with another verdict" in capsys.readouterr().out
+
+
+def test_a_lot_without_a_verdict_has_no_report(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    begun(tmp_path).close()
+    assert main(["lot", "report", "."]) == 2
+    assert "has no unit that was judged" in capsys.readouterr().err
+    assert not (tmp_path / "lot.html").exists()

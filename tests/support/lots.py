@@ -1,0 +1,70 @@
+"""Lots whose work is scripted: what the driver and the database make of it."""
+
+from ncdc.lot.database import Database
+from ncdc.lot.figures import FIGURES, LIMITS
+from ncdc.lot.run import SchedulerLost, run_lot
+from ncdc.lot.units import Unit
+from ncdc.lot.work import Outcome, Request
+
+__all__ = ["GOOD", "Scripted", "begun", "driven", "outcome"]
+
+GOOD = {"points": 1100, "photos_used": 3, "coverage_percent": 99.0, "neurons": 6,
+        "max_error_px": 0.2, "mean_error_px": 0.02, "straightness_px": 0.02, "focal_px": 171.0,
+        "axis_px": 1.0, "decentring_px": 0.3, "tilt_deg": 0.0, "roll_deg": -0.2,
+        "uneven_px": 0.02}
+assert GOOD.keys() == {figure.name for figure in FIGURES}
+_REQUEST = Request(target="dots", neurons=6)
+_OPTIONS = {**vars(_REQUEST), **LIMITS}
+
+
+def outcome(**figures):
+    """:class:`Outcome` of a good unit with other ``figures``."""
+    return Outcome(figures=GOOD | figures, descriptor="version = 1\n", digest="0123456789ab",
+                   photo_hashes=["00" * 32], picture=b"jpeg", seconds=2.0, worker="bench")
+
+
+class Scripted:
+    """Workers in one process; ``answer(serial, try)`` gives an outcome, None for a death of the
+    worker, or raises :class:`SchedulerLost`. A death takes the other units on the worker along."""
+
+    def __init__(self, answer, slots=2):
+        self.answer, self.slots, self._running, self.most = answer, slots, [], 0
+
+    def __len__(self):
+        return len(self._running)
+
+    @property
+    def running(self):
+        return list(self._running)
+
+    def submit(self, tag, photos, request):
+        self._running.append(tag)
+        self.most = max(self.most, len(self))
+
+    def finished(self):
+        tag = self._running[0]
+        answer = self.answer(*tag)
+        if answer is None:
+            dead, self._running = self._running, []
+            return [(tag, None) for tag in dead]
+        self._running.pop(0)
+        return [(tag, answer)]
+
+
+def begun(folder, count=6, station="bench"):
+    """:class:`Database` of a lot of ``count`` units U1, U2, ... in ``folder``."""
+    database = Database(f"sqlite:///{folder}/lot.db", create=True)
+    database.begin(_OPTIONS, [Unit(f"U{k}", (f"/photos/{k}.png",)) for k in range(1, count + 1)],
+                   station)
+    return database
+
+
+def driven(database, answer, slots=2):
+    """The units that a run judges, and whether the scheduler was lost."""
+    done = []
+    try:
+        for one in run_lot(database, Scripted(answer, slots), _REQUEST, LIMITS, "bench"):
+            done.append(one)
+    except SchedulerLost:
+        return done, True
+    return done, False
