@@ -12,7 +12,8 @@ from ncdc_spec.errors import InputError
 
 __all__ = ["COMMANDS", "main", "parser"]
 
-_TO_FOLDER = ("demo", "generate", "bench", "build")      # commands whose --output is a folder
+# Commands whose --output is a folder, or that check it themselves.
+_TO_FOLDER = ("demo", "generate", "bench", "build", "lot")
 _LIGHT = ("doctor",)                # commands that work where the packages of the others do not
 _INTERRUPTED = 130                  # exit status of programs that Ctrl-C has ended
 

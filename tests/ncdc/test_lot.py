@@ -3,12 +3,13 @@
 import json
 import shutil
 import zipfile
+from contextlib import contextmanager
 
 import cv2
 import numpy as np
 import pytest
 
-from lots import GOOD, begun, driven, outcome
+from lots import GOOD, Scripted, begun, driven, outcome
 from ncdc.cli import main
 from ncdc.lot.figures import FIGURES, LIMITS, judge
 from ncdc.lot.run import SchedulerLost
@@ -193,6 +194,34 @@ def test_bad_input_is_one_sentence(photos, monkeypatch, capsys, arguments, messa
     said = capsys.readouterr().err
     assert message in said and said.count("\n") == 1, said
     assert sorted(photos.parent.rglob("*")) == before
+
+
+def test_the_same_command_goes_on_where_it_was(photos, monkeypatch, capsys):
+    """From the command line: the scheduler is lost, then all is judged, then nothing is left."""
+    monkeypatch.chdir(photos.parent)
+    answers, seen = {"U10": [SchedulerLost]}, []
+
+    def answer(serial, number):
+        seen.append(serial)
+        if answers.get(serial):
+            raise answers[serial].pop()
+        return outcome(max_error_px=.7 if serial == "empty" else .2)
+
+    @contextmanager
+    def connect(scheduler, count):
+        assert (scheduler, count) == (None, 2)
+        yield Scripted(answer, 1)
+    monkeypatch.setattr("ncdc.lot.workers.connect", connect)
+    for status, resumed in ((1, 0), (0, 2), (0, 3)):
+        assert main(["lot", "run", "units", "--workers", "2", "--json", "-"]) == status
+        said = capsys.readouterr()
+        report = json.loads(said.out)
+        assert report["units"] == 3 and report["resumed"] == resumed
+        assert ("the scheduler has gone after 2 of 3 units" in said.err) == bool(status)
+        assert ("empty: fail: largest error of the map: 0.700 px" in said.err) == bool(status)
+    assert seen == ["empty", "U9", "U10", "U10"]
+    assert main(["lot", "run", "units", "--seed", "1"]) == 2
+    assert "the lot was begun with seed 0, this run has 1" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize("action", ["report", "show", "compare"])

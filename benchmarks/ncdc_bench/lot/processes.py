@@ -77,7 +77,7 @@ def lot_command(units, lot, *more):
     limits = [part for name, value in LIMITS.items()
               for part in (f"--{name.replace('_', '-')}", str(value))]
     return [sys.executable, "-m", "ncdc", "lot", "run", str(units), "--target", "dots",
-            "--neurons", "6", "--bayer", "MONO", *limits, "-o", str(lot), *map(str, more)]
+            "--neurons", "8", "--bayer", "MONO", *limits, "-o", str(lot), *map(str, more)]
 
 
 def run_with_kills(folder, workers, kills):
@@ -96,8 +96,7 @@ def run_with_kills(folder, workers, kills):
             command = lot_command(folder / "units", folder / "lot", "--scheduler", running.address)
             driver = subprocess.Popen(command)
             for victim in kills[done:]:
-                if not _wait_for(folder / "lot", count * (done + 1) / (len(kills) + 1), driver):
-                    break
+                _wait_for(folder / "lot", count * (done + 1) / (len(kills) + 1), driver)
                 done += 1
                 if victim == "worker":
                     running.kill_worker()
@@ -109,20 +108,28 @@ def run_with_kills(folder, workers, kills):
                 driver.wait()
                 _check(driver)
                 return time.monotonic() - start, done
-    raise InputError("the lot ended before its processes were killed: more units are needed")
 
 
 def _wait_for(lot, count, driver):
-    """Wait until so many units are judged; whether that came before the driver's end."""
-    while driver.poll() is None:
+    """Wait until so many units are judged.
+
+    Raises
+    ------
+    InputError
+        If the driver ends before.
+    """
+    while True:
+        ended = driver.poll() is not None
         with suppress(InputError):
             database = database_at(str(lot))
             counts = database.counts()
             database.close()
             if sum(counts.values()) - counts["units"] >= count:
-                return True
+                return
+        if ended:
+            raise InputError(f"ncdc lot run ended with status {driver.returncode} before {count:g} "
+                             f"units were judged")
         time.sleep(_POLL)
-    return False
 
 
 def _check(done):
