@@ -3,7 +3,7 @@
 import xml.etree.ElementTree as ElementTree
 from xml.etree.ElementTree import Element, SubElement
 
-from ncdc_spec.protocols.features import FEATURES, VIEW_FEATURES
+from ncdc_spec.protocols.features import FEATURES
 
 __all__ = ["genicam_xml"]
 
