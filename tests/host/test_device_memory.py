@@ -3,6 +3,7 @@
 import re
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -21,8 +22,9 @@ def peak_mb(process):
 
 @pytest.mark.longer
 def test_a_device_of_640x480_takes_at_most_150_megabytes(tmp_path):
-    """While it streams the scene in motion, whose pictures are stored, and settings change."""
-    barrel_descriptor((640, 480), (640, 480), 8).save(tmp_path / "net.toml")
+    """While it streams the scene in motion, whose pictures are stored; settings and view change."""
+    replace(barrel_descriptor((640, 480), (640, 480), 8), nodes=8,
+            provenance={"frame": [250.0, 320.0, 240.0]}).save(tmp_path / "net.toml")
     address = loopback_address()
     served = subprocess.Popen(
         [sys.executable, "-c", _SERVE, "device", "serve", str(tmp_path / "net.toml"), "--address",
@@ -33,7 +35,9 @@ def test_a_device_of_640x480_takes_at_most_150_megabytes(tmp_path):
         with open_device(f"gige://{address}") as device, device.stream() as frames:
             for exposure in (10_000, 8_000, 5_000, 3_000):
                 device.set("ExposureTime", exposure)
-                for _ in range(36):
+                for k in range(36):
+                    if exposure < 4_000:
+                        device.set("Pan", k)
                     frames.next()
         assert 50 < peak_mb(served) <= 150
     finally:

@@ -192,7 +192,7 @@ class Camera:
         if settings.angles == Angles() or settings.view.pixel_format.raw:
             return correction
         if self._looking is None or self._looking[:2] != (correction, settings.angles):
-            lens = correction.descriptor
+            lens, self._looking = correction.descriptor, None       # frees the one before
             self._looking = (correction, settings.angles, Correction(
                 lens, correction.model, PlaneCamera.of(lens).looking(settings.angles)))
         return self._looking[2]
