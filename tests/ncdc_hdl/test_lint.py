@@ -3,6 +3,7 @@
 import re
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -17,7 +18,7 @@ from ncdc_spec.camera_port import camera_port
 from ncdc_spec.hardware import Hardware
 
 HARDWARE = {"cache": Hardware(), "stream": Hardware(output="stream", data_width=128),
-            "shared": Hardware(share=2, hidden="raster")}
+            "shared": Hardware(share=2, hidden="raster"), "view": Hardware(view=True)}
 BIN = Path(sys.executable).parent
 
 
@@ -26,7 +27,8 @@ def verilogs(tmp_path_factory):
     """Files of correctors' Verilog, each alone in its folder."""
     paths = {name: tmp_path_factory.mktemp(name) / f"{TOP}.v" for name in HARDWARE}
     for name, path in paths.items():
-        path.write_text(corrector_verilog(barrel_descriptor(), HARDWARE[name]))
+        d = replace(barrel_descriptor(), nodes=8 if HARDWARE[name].view else 1)
+        path.write_text(corrector_verilog(d, HARDWARE[name]))
     return paths
 
 

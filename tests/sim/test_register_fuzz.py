@@ -1,5 +1,6 @@
 """Whatever a host writes: nothing outside the buffers, no unaligned address, no hang."""
 
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -31,16 +32,19 @@ BUILDS = {
     "1 pixel, stream": Hardware(cache=CACHE, output="stream", data_width=64, share=2),
     "2 pixels, stream": Hardware(cache=CACHE, output="stream", lanes=2),
     "4 pixels, stream": Hardware(cache=CACHE, output="stream", lanes=4, data_width=64),
+    "view, memory": Hardware(cache=CACHE, view=True),
 }
 
 
-def descriptor():
+def descriptor(view=False):
+    if view:
+        return replace(barrel_descriptor((36, 14), (42, 18), hidden_neurons=2), nodes=8)
     return barrel_descriptor((20, 14), (42, 18), hidden_neurons=2)
 
 
 @cache
 def built(name):
-    corrector = Corrector(descriptor(), BUILDS[name])
+    corrector = Corrector(descriptor(BUILDS[name].view), BUILDS[name])
     return corrector, verilog_of(corrector)
 
 
