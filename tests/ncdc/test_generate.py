@@ -4,6 +4,7 @@ import os
 import re
 import subprocess
 import sys
+from dataclasses import replace
 
 import amaranth
 import pytest
@@ -220,3 +221,26 @@ def test_conflicting_options_are_rejected(folder, tmp_path, options, message, ca
     assert main(["generate", str(folder / "net.toml"), "-o", str(output), *options.split()]) == 2
     error = capsys.readouterr().err
     assert message in error and error.count("\n") == 1 and not output.exists()
+
+
+def test_a_view_is_generated_at_nodes_only(folder, tmp_path, capsys):
+    """The header names the option; its lens begins with the trained picture."""
+    wide = barrel_descriptor((200, 40), (210, 50), hidden_neurons=2)
+    replace(wide, nodes=8).save(folder / "nodes.toml")
+    nodes, hardware = str(folder / "nodes.toml"), tmp_path / "hardware"
+    fixed = ["--cache-bytes", "1024", "--cache-split", "1", "--strip", "0"]
+    assert main(["generate", nodes, "-o", str(hardware), "--view", *fixed]) == 0
+    assert " --view" in (hardware / "ncdc.v").read_text().partition("module")[0]
+    assert "VIEW_X_U" in (hardware / "ncdc_lenses.py").read_text()
+    capsys.readouterr()
+    assert main(["generate", str(folder / "net.toml"), "-o", str(tmp_path / "none"),
+                 "--view"]) == 2
+    assert "evaluated at every pixel, a view needs nodes" in capsys.readouterr().err
+    assert not (tmp_path / "none").exists()
+    for numbers, sentence in (
+            ("1 0 0 0 1 0 0 0 nan", "--matrix is 1 0 0 0 1 0 0 0 nan, nine finite numbers"),
+            ("500 0 0 0 1 0 0 0 1", "the view's matrix has 500 in row 0, column 0, the limit is "
+                                    "128 times its largest depth of 1")):
+        assert main(["simulate", nodes, "none.png", "-o", str(tmp_path / "out.png"), "--matrix",
+                     *numbers.split()]) == 2
+        assert sentence in capsys.readouterr().err

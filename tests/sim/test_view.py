@@ -58,3 +58,18 @@ def test_a_view_of_another_size(bus):
     assert result.differing == [] and result.bytes_outside == 0
     assert result.counters["FETCHES"] == result.fetches_expected
     assert not result.blank.all()
+
+
+@pytest.mark.many_clocks
+@pytest.mark.regress
+def test_ten_thousand_frames_of_nonsense():
+    """Each second frame has a nonsense matrix. All end, and all are right."""
+    d = replace(barrel_descriptor((40, 8), (40, 10), 2, fill=(200, 100, 50)), nodes=8)
+    raw = np.random.default_rng(1).integers(0, 256, (10, 40), np.uint8)
+    corrector = Corrector(d, Hardware(view=True, output="stream"))
+    rng, size, frames = np.random.default_rng(2), (16, 8), 10_000
+    views = [nonsense_view(rng, size) if k % 2 else random_view(rng, d.geometry, 25, size)
+             for k in range(frames)]
+    result = simulate_lens_change(corrector, verilog_of(corrector), [(d, raw)], frames,
+                                  views=views, memory="ideal", clock_limit=20_000 * frames)
+    assert set(result.differing) == {0}

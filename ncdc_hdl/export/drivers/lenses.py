@@ -92,14 +92,14 @@ def check_lens(corrector, path, descriptor):
               for name, q in vars(descriptor.formats).items())):
         if value != needed:
             raise InputError(f"{path}: {what} {value} does not fit a corrector made for {needed}")
-    rows = 1 << corrector.table.row_bits
+    columns, rows = corrector.table.largest
     if descriptor.geometry.corrected_height > rows:
         raise InputError(f"{path}: the corrected image has {descriptor.geometry.corrected_height} "
                          f"rows, the corrector's table of valid rows holds {rows}")
     width = descriptor.geometry.corrected_width
-    if width > corrector.table.max_column:
+    if width > columns:
         raise InputError(f"{path}: the corrected image has {width} columns, the corrector's table "
-                         f"of valid rows counts to {corrector.table.max_column}")
+                         f"of valid rows counts to {columns}")
     with reading(path):
         check_lanes(width, corrector.hardware.lanes)
         check_format(output_format(corrector.hardware.format), descriptor.geometry)
