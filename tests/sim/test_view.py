@@ -50,11 +50,10 @@ def test_another_lens_and_view_with_every_frame(settings, nodes, frames):
 
 
 @pytest.mark.regress
-@pytest.mark.parametrize("bus", ["avalon", "axi"])
-def test_a_view_of_another_size(bus):
+def test_a_view_of_another_size():
     d, raw = cameras()[0]
     view = random_view(np.random.default_rng(1), d.geometry, FOCAL, (72, 44))
-    result = simulate_correction(d, raw, Hardware(view=True, bus=bus), view=view)
+    result = simulate_correction(d, raw, Hardware(view=True), view=view)
     assert result.differing == [] and result.bytes_outside == 0
     assert result.counters["FETCHES"] == result.fetches_expected
     assert not result.blank.all()
