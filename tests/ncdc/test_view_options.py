@@ -155,6 +155,17 @@ def test_bad_options(film, capsys, options, message):
     assert open("view.mp4").read() == "kept"
 
 
+def test_a_gyroscope_needs_a_film(lens, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    lens.save("net.toml")
+    open("still.csv", "w").write("\n".join([HEAD, "0,0,0,0", ".05,0,0,0"]))
+    write_image("raw.png", np.zeros(SIZE[::-1], np.uint8))
+    for source, output, message in (("camera:0", "view.mp4", "camera:0 is a camera, --gyro needs"),
+                                    ("raw.png", "view.png", "--gyro is given, it needs a film")):
+        assert main(["correct", "net.toml", source, "-o", output, "--gyro", "still.csv"]) == 2
+        assert message in capsys.readouterr().err
+
+
 def test_a_view_needs_a_focal_length(film, capsys):
     from cameras import barrel_descriptor
     barrel_descriptor(SIZE, SIZE).save("net.toml")
