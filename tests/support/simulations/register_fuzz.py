@@ -109,6 +109,8 @@ def _fuzzed_frame(program, rng, table, right, junk, short):
         for name, first in (("SOURCE_BASE", 0), ("TARGET_BASE", junk)):
             step_of = int(rng.choice([1, 16, 16, 16]))
             values[name] = first + step_of * int(rng.integers(0, 64))
+    # Below it is the raw frame, which later frames need.
+    values["TARGET_BASE"] = max(values["TARGET_BASE"], junk)
     program.allow((values["SOURCE_BASE"], values["SOURCE_LIMIT"]),
                   (values["TARGET_BASE"], values["TARGET_LIMIT"]))
     program.write(rows["VALID_WINDOW"], 1)
