@@ -8,9 +8,8 @@ from ncdc_spec.view_matrix import LIMITS, Angles
 
 __all__ = ["ViewSteering"]
 
-NAMES = {name.capitalize(): name for name in LIMITS}
-"""The features of a view, and the names of :class:`Angles`."""
-
+# The features of a view, and the names of Angles.
+_NAMES = {name.capitalize(): name for name in LIMITS}
 _KEY = 0.1              # of the picture's width that an arrow key moves
 _ZOOM = 1.1             # a step of the wheel
 _STEEPEST = 0.2         # cosine of the tilt from which on a drag does not turn the view faster
@@ -59,7 +58,7 @@ class ViewSteering(QObject):
 
     def drag(self, moved):
         """Turn the view so that its content moves by ``moved``, a QPointF in pixels."""
-        values = {name: self._value(name) for name in NAMES}
+        values = {name: self._value(name) for name in _NAMES}
         radius = self._tab.infos["ViewFocal"].value * values["Zoom"]
         x, y = (-side if self._tab.infos[mirror].value else side for side, mirror in
                 ((moved.x(), "ReverseX"), (moved.y(), "ReverseY")))
@@ -81,14 +80,14 @@ class ViewSteering(QObject):
 
     def reset(self):
         """Look as the lens was trained."""
-        self._set(**{name: getattr(Angles(), key) for name, key in NAMES.items()})
+        self._set(**{name: getattr(Angles(), key) for name, key in _NAMES.items()})
 
     def _value(self, name):
         return self._sent[name][1] if name in self._sent else self._tab.infos[name].value
 
     def _set(self, **values):
         for name, value in values.items():
-            low, high = LIMITS[NAMES[name]]
+            low, high = LIMITS[_NAMES[name]]
             value = min(max(value, low), high)
             if value != self._value(name):
                 self._sent[name] = self._tab.set_feature(name, value), value
