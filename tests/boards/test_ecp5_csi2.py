@@ -83,13 +83,17 @@ def test_a_long_exposure_is_slower():
 
 
 @pytest.mark.longer
-def test_preferences_of_the_pins():
-    text = prepared(designed("imx219"))["ncdc_ulx3s.lpf"]
-    for site in ("G3", "F4", "H4"):
+@pytest.mark.parametrize("on,sites,other", [
+    (ULX3S, ("G3", "F4", "H4"), "E3"), (I9, ("J20", "L18", "U18"), "M18")],
+    ids=["ulx3s", "colorlight-i9"])
+def test_preferences_of_the_pins(on, sites, other):
+    text = next(text for name, text in prepared(designed("imx219", on)).items()
+                if name.endswith(".lpf"))
+    for site in sites:
         port = next(line.split('"')[1] for line in text.splitlines() if f'SITE "{site}"' in line)
         line = next(line for line in text.splitlines() if f'IOBUF PORT "{port}"' in line)
         assert "IO_TYPE=LVDS" in line and "DIFFRESISTOR=100" in line
-    assert "228000000" in text and 'SITE "E3"' not in text
+    assert "228000000" in text and f'SITE "{other}"' not in text
 
 
 @pytest.mark.parametrize("name", ["de1-soc", "de10-nano"])
