@@ -12,6 +12,7 @@ COMMANDS = {
     "train": "train a camera's network and write its descriptor",
     "evaluate": "measure the error of a descriptor",
     "lot": "a production lot: calibrate, train and judge every unit, on one machine or several",
+    "eeprom": "the image of a camera's EEPROM: show it, write it, make a descriptor of it",
     "report": "write one page of HTML on a camera: pictures, errors, lens, hardware",
     "correct": "correct an image with the bit-exact golden model",
     "export": "write a map as tables for OpenCV's remap, or points as CSV",

@@ -1,6 +1,6 @@
 """``ncdc lot``: calibrates every unit of a production lot, judges and records it."""
 
-from ncdc.cli import lot_compare, lot_report, lot_run, lot_show
+from ncdc.cli import lot_compare, lot_export, lot_report, lot_run, lot_show
 
 __all__ = ["EXAMPLE", "add_arguments", "run"]
 
@@ -10,6 +10,7 @@ _ACTIONS = {
     "run": (lot_run, "calibrate, train and judge the units that have no verdict yet"),
     "report": (lot_report, "write one page of HTML: yield, figures, trend, outliers, all units"),
     "show": (lot_show, "print what is known of one unit, and write its descriptor and picture"),
+    "export": (lot_export, "write the image of each unit's EEPROM"),
     "compare": (lot_compare, "print two lots next to each other"),
 }
 

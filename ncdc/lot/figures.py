@@ -40,8 +40,14 @@ class Figure:
         """``value`` with its unit; "-" for None."""
         if value is None:
             return "-"
-        space = "" if self.unit in ("", "°") else " "
-        return f"{value:.{self.digits}f}{space}{self.unit}"
+        return self._with_unit(f"{value:.{self.digits}f}")
+
+    def limit(self, value):
+        """A limit as it was given, with its unit."""
+        return self._with_unit(f"{value:g}")
+
+    def _with_unit(self, number):
+        return f"{number}{'' if self.unit in ('', '°') else ' '}{self.unit}"
 
 
 FIGURES = (
@@ -100,11 +106,11 @@ def judge(figures, warnings, error, limits):
         if low is not None and not value >= low:
             causes.append(figure.title)
             reasons.append(f"{figure.title}: {figure.text(value)}, the minimum is "
-                           f"{low:g} {figure.unit}".rstrip())
+                           f"{figure.limit(low)}")
         if high is not None and not abs(value) <= high:
             causes.append(figure.title)
             reasons.append(f"{figure.title}: {figure.text(value)}, the maximum is "
-                           f"{high:g} {figure.unit}".rstrip())
+                           f"{figure.limit(high)}")
     if reasons:
         return FAIL, causes[0], reasons + list(warnings)
     return (LOOK, "warning", list(warnings)) if warnings else (PASS, "", [])

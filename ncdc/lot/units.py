@@ -12,12 +12,12 @@ from tempfile import TemporaryDirectory
 import fsspec
 
 from ncdc_model.photo.names import may_be_photo, natural
+from ncdc_spec.eeprom import SERIAL_BYTES
 from ncdc_spec.errors import InputError
 
 __all__ = ["Unit", "find_units", "local_photos"]
 
-_LONGEST = 32           # characters of a serial number
-_SERIAL = re.compile(r"[A-Za-z0-9][\w.+-]{0,%d}" % (_LONGEST - 1), re.ASCII)
+_SERIAL = re.compile(r"[A-Za-z0-9][\w.+-]{0,%d}" % (SERIAL_BYTES - 1), re.ASCII)
 _COLUMNS = "unit", "photo", "station"
 
 
@@ -46,7 +46,7 @@ class Unit:
     def __post_init__(self):
         if not _SERIAL.fullmatch(self.serial):
             raise InputError(f"the unit {self.serial!r} has a serial number that is no name: up to "
-                             f"{_LONGEST} letters, digits, _ . + - are needed")
+                             f"{SERIAL_BYTES} letters, digits, _ . + - are needed")
 
 
 def find_units(source):

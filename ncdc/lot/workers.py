@@ -2,6 +2,7 @@
 
 import logging
 import uuid
+from concurrent.futures import CancelledError
 from contextlib import contextmanager
 
 import dask
@@ -35,7 +36,9 @@ def connect(scheduler=None, count=None):
     InputError
         If no scheduler answers, or none of its workers is there in time.
     """
-    logging.getLogger("distributed").setLevel(logging.CRITICAL)     # the lot says what happened
+    for name in logging.root.manager.loggerDict:
+        if name.startswith("distributed"):
+            logging.getLogger(name).setLevel(logging.CRITICAL)      # the lot says what happened
     if scheduler is None:
         with (dask.config.set(_LOCAL),
               LocalCluster(n_workers=count, threads_per_worker=1, dashboard_address=None) as local,
@@ -71,8 +74,17 @@ class Workers:
 
     @property
     def slots(self):
-        """How many units the workers can take at a time."""
-        return max(1, sum(self.client.nthreads().values()))
+        """How many units the workers can take at a time.
+
+        Raises
+        ------
+        SchedulerLost
+            If the scheduler has gone.
+        """
+        try:
+            return max(1, sum(self.client.nthreads().values()))
+        except OSError as error:
+            raise SchedulerLost from error
 
     def submit(self, tag, photos, request):
         """Start the work on a unit, which ``tag`` will name."""
@@ -94,6 +106,8 @@ class Workers:
                             return_when="FIRST_COMPLETED").done
             except TimeoutError:
                 done = ()
+            except CancelledError as error:
+                raise SchedulerLost from error
             if self.client.status != "running":
                 raise SchedulerLost
             if done:

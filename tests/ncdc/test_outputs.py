@@ -36,7 +36,7 @@ FILES = "calibrate", "train", "report", "correct", "simulate", "export"
 FOLDERS = "demo", "generate", "build", "bench"
 NETWORK = "client", "device", "soc"     # they need one: tests/host and tests/soc try them
 OTHERS = ("sensor", "doctor", "target",  # their one file: test_sensor_command, test_doctor, ...
-          "lot",                          # its folder, pages and files: test_lot
+          "lot", "eeprom",                # their folders, pages and files: test_lot, test_eeprom
           "completion")                   # none
 
 

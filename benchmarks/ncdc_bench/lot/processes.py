@@ -94,7 +94,8 @@ def run_with_kills(folder, workers, kills):
     while done < len(kills) + 1:
         with cluster(workers) as running:
             command = lot_command(folder / "units", folder / "lot", "--scheduler", running.address)
-            driver = subprocess.Popen(command)
+            with open(folder / "driver.log", "ab") as log:
+                driver = subprocess.Popen(command, stderr=log)
             for victim in kills[done:]:
                 _wait_for(folder / "lot", count * (done + 1) / (len(kills) + 1), driver)
                 done += 1
@@ -107,6 +108,8 @@ def run_with_kills(folder, workers, kills):
             else:
                 driver.wait()
                 _check(driver)
+                if "Traceback" in (folder / "driver.log").read_text():
+                    raise InputError(f"the driver did not end in order: see {folder}/driver.log")
                 return time.monotonic() - start, done
 
 

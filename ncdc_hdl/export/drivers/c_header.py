@@ -57,7 +57,8 @@ def c_lenses(lenses):
         lines += [f"    {', '.join(f'0x{span:08X}u' for span in lens.valid_rows[k:k + 6])},"
                   for k in range(0, len(lens.valid_rows), 6)]
         lines += ["};", "", f"const struct ncdc_lens ncdc_lens_{name} = {{",
-                  f'    "{lens.digest}", {lens.neurons}, '
+                  f'    "{lens.digest}", {{{", ".join(map(str, lens.kind))}}},',
+                  f"    {lens.neurons}, "
                   f"NCDC_CAPABILITIES_{lens.interpolation.upper()},",
                   f"    {lens.width}, {lens.height}, {lens.source_bytes}, {lens.target_bytes},",
                   f"    values_{name}, {len(lens.values)},",

@@ -13,8 +13,8 @@ from ncdc_spec import white_balance
 __all__ = ["driver_files"]
 
 # Files that are the same for every corrector.
-_FIXED = ("ncdc.h", "ncdc.c", "ncdc_mapped.h", "ncdc_driver.py", "ncdc_backends.py",
-          "ncdc_console.tcl")
+_FIXED = ("ncdc.h", "ncdc.c", "ncdc_eeprom.h", "ncdc_eeprom.c", "ncdc_mapped.h", "ncdc_driver.py",
+          "ncdc_backends.py", "ncdc_console.tcl")
 _SYSTEM = ("ncdc_camera.py",)       # also for a system
 
 

@@ -6,6 +6,7 @@ from pathlib import Path
 
 from ncdc_model.evaluate import check_curvature
 from ncdc_model.planner.plan import best_split
+from ncdc_spec.eeprom import kind_bytes
 from ncdc_spec.errors import InputError, reading
 from ncdc_spec.frames import check_format, output_format
 from ncdc_spec.hardware import check_lanes
@@ -27,6 +28,8 @@ class Lens:
     Parameters
     ----------
     digest : str
+    kind : bytes
+        What no register can change, see :func:`ncdc_spec.eeprom.kind_bytes`.
     neurons, width, height : int
         Hidden neurons, those of the corrector; corrected image.
     interpolation : str
@@ -38,6 +41,7 @@ class Lens:
         Words of the table of valid rows, from row 0 on.
     """
     digest: str
+    kind: bytes
     neurons: int
     width: int
     height: int
@@ -57,7 +61,8 @@ class Lens:
         values = host_values(descriptor, corrector.hardware, neurons=neurons)
         if corrector.hardware.cached and descriptor.digest != corrector.descriptor.digest:
             values["CACHE_SPLIT"] = best_split(descriptor, corrector.hardware)
-        return cls(descriptor.digest, neurons, *descriptor.geometry.corrected,
+        return cls(descriptor.digest, kind_bytes(descriptor), neurons,
+                   *descriptor.geometry.corrected,
                    descriptor.geometry.interpolation.name,
                    values["SOURCE_LIMIT"] - values["SOURCE_BASE"],
                    values["TARGET_LIMIT"] - values["TARGET_BASE"],

@@ -24,10 +24,13 @@ struct ncdc_value {
     uint32_t offset, value;
 };
 
+#define NCDC_KIND_BYTES 22u
+
 /* All data of a camera but the addresses of its frames: network, geometry, valid rows, split of the
  * cache. */
 struct ncdc_lens {
     const char *digest;             /* of the descriptor, 12 hex digits */
+    uint8_t kind[NCDC_KIND_BYTES];  /* number formats and such, as in an EEPROM: ncdc_eeprom.h */
     uint32_t neurons;
     uint32_t interpolation;         /* bit of NCDC_CAPABILITIES that it needs */
     uint32_t width, height;         /* of the corrected image */
