@@ -6,10 +6,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ncdc_model.compare import fitted_plane
-from ncdc_model.lens import BrownWeng, Camera, TiltedSensor
+from ncdc_model.lens import BrownWeng, TiltedSensor
 
-__all__ = ["Flaws", "axis_pixel", "decentring", "flaws_of", "focal_length", "roll", "tilt",
-           "tilt_effect"]
+__all__ = ["Flaws", "axis_pixel", "decentring", "effect", "flaws_of", "focal_length", "roll",
+           "tilt", "tilt_effect"]
 
 _GRID = 33, 25          # positions over the picture at which flaws are measured
 
@@ -60,7 +60,7 @@ def focal_length(camera):
 
 def decentring(camera):
     """Pixels, at most, by which decentred elements of the lens move points."""
-    return _effect(camera, replace(camera, decentring=BrownWeng()))
+    return effect(camera, replace(camera, decentring=BrownWeng()))
 
 
 def tilt(camera):
@@ -70,7 +70,7 @@ def tilt(camera):
 
 def tilt_effect(camera):
     """Pixels, at most, by which the tilt of the sensor moves points."""
-    return _effect(camera, replace(camera, tilt=TiltedSensor()))
+    return effect(camera, replace(camera, tilt=TiltedSensor()))
 
 
 def roll(frame):
@@ -84,8 +84,11 @@ def roll(frame):
     return float((np.degrees(np.arctan2(along[1], along[0])) + 45) % 90 - 45)
 
 
-def _effect(camera: Camera, without):
-    """Pixels, at most, by which a flaw moves points, apart from the view."""
+def effect(camera, without):
+    """Pixels, at most, by which a flaw moves points, apart from the view.
+
+    ``without``: the same :class:`Camera` without the flaw.
+    """
     x, y = (part.ravel() for part in np.meshgrid(
         *(np.linspace(0, side - 1.0, count) for side, count in zip(camera.size, _GRID))))
     a, b = camera.undistort(x, y)

@@ -41,12 +41,13 @@ def plot_trend(path, plots, station, names):
         low, high = _range(values[np.isfinite(values)], control, limits)
         for number, name in enumerate(names):
             at = np.flatnonzero(station == number)[::step]
-            one.plot(at + 1, np.clip(values[at], low, high), ".", markersize=3, label=name)
+            one.plot(at + 1, np.clip(values[at], low, high), ".", markersize=4, label=name)
         for limit in (control[0], control[2]):
             one.axhline(limit, color="0.3", linestyle="--", linewidth=1)
         for limit in _drawn(limits, low, high):
             one.axhline(limit, color="#b00020", linewidth=1.5)
-        one.set(xlabel="unit", ylabel=_label(about))
+        one.set(xlabel="unit")
+        one.set_title(_label(about), fontsize="medium")
     if len(names) > 1:
         axes[0].legend(fontsize="small")
     figure.savefig(path, dpi=110)

