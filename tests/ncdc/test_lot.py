@@ -1,14 +1,18 @@
 """``ncdc lot``: which units there are, limits and verdicts, resuming, deaths of workers."""
 
 import json
+import re
 import shutil
 import zipfile
 from contextlib import contextmanager
+from dataclasses import replace
+from pathlib import Path
 
 import cv2
 import numpy as np
 import pytest
 
+from cameras import barrel_descriptor
 from lots import GOOD, Scripted, begun, driven, outcome
 from ncdc.cli import main
 from ncdc.lot.figures import FIGURES, LIMITS, judge
@@ -20,7 +24,10 @@ from ncdc_model.calibration.detect import detect_points
 from ncdc_model.images import read_image
 from ncdc_model.training.pipeline import train_camera
 from ncdc_model.training.source import load_source
+from ncdc_spec.eeprom import unpack
 from ncdc_spec.errors import InputError
+
+ROOT = Path(__file__).resolve().parents[2]
 
 
 def touched(folder, *names):
@@ -222,6 +229,36 @@ def test_the_same_command_goes_on_where_it_was(photos, monkeypatch, capsys):
     assert seen == ["empty", "U9", "U10", "U10"]
     assert main(["lot", "run", "units", "--seed", "1"]) == 2
     assert "the lot was begun with seed 0, this run has 1" in capsys.readouterr().err
+
+
+def test_the_commands_of_the_guide_run(tmp_path, monkeypatch, capsys):
+    """Every line of ncdc, in order; the work itself is scripted."""
+    monkeypatch.chdir(tmp_path)
+    touched(tmp_path, *(f"units/{unit}/{photo}.png" for unit in ("A0017", "A0018")
+                        for photo in ("front", "left", "below")))
+    barrel_descriptor(hidden_neurons=6).save(tmp_path / "net.toml")
+    schedulers = []
+
+    @contextmanager
+    def connect(scheduler, count):
+        schedulers.append(scheduler)
+        yield Scripted(lambda *tag: replace(
+            outcome(), descriptor=(tmp_path / "net.toml").read_text()))
+    monkeypatch.setattr("ncdc.lot.workers.connect", connect)
+    guide = (ROOT / "docs" / "howto" / "production_lot.md").read_text()
+    lines = re.findall(r"^    ncdc (.*)$", guide, re.MULTILINE)
+    actions = [line.split()[1] for line in lines]
+    assert actions == ["run", "report", "show", "export", "compare", "run"]
+    for line in lines:
+        if "compare" in line:
+            shutil.copytree("lot", "march")
+            shutil.copytree("lot", "april")
+        if "--scheduler" in line:
+            shutil.rmtree("lot")
+        assert main(line.split()) == 0, capsys.readouterr().err
+    assert schedulers == [None, "tcp://10.0.0.5:8786"]
+    assert unpack((tmp_path / "eeprom/A0017.bin").read_bytes()).serial == "A0017"
+    assert (tmp_path / "lot.html").is_file() and (tmp_path / "A0017/net.toml").is_file()
 
 
 @pytest.mark.parametrize("action", ["report", "show", "compare"])
