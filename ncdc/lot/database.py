@@ -8,7 +8,7 @@ from itertools import islice
 
 import numpy as np
 from sqlalchemy import String, create_engine, event, func, insert, inspect, select, update
-from sqlalchemy.exc import SQLAlchemyError
+from sqlalchemy.exc import IntegrityError, SQLAlchemyError
 
 from ncdc.lot.figures import FIGURES, VERDICTS
 from ncdc.lot.schema import FACTS, FILES, METADATA, SCHEMA, TRIES, UNITS
@@ -135,11 +135,19 @@ class Database:
                 yield serial, json.loads(photos), died
 
     def start(self, serial, station):
-        """Number of a new try of a unit; the first is 1."""
-        with self.engine.begin() as connection:
-            number = 1 + connection.scalar(select(func.count()).where(TRIES.c.serial == serial))
-            connection.execute(insert(TRIES).values(serial=serial, number=number,
-                                                    station=station, started=_now()))
+        """Number of a new try of a unit, the first is 1; None if another station was faster."""
+        try:
+            with self.engine.begin() as connection:
+                taken = connection.scalar(select(func.count()).where(
+                    TRIES.c.serial == serial, TRIES.c.end.is_(None) | (TRIES.c.end == JUDGED)))
+                number = 1 + connection.scalar(select(func.count()).where(
+                    TRIES.c.serial == serial))
+                if taken:
+                    return None
+                connection.execute(insert(TRIES).values(serial=serial, number=number,
+                                                        station=station, started=_now()))
+        except IntegrityError:
+            return None
         return number
 
     def end(self, serial, number, end):

@@ -56,6 +56,8 @@ def run_lot(database, workers, request, limits, station):
             while len(workers) < slots() and (unit := next(units, None)):
                 serial, photos, deaths = unit
                 tag = serial, database.start(serial, station)
+                if tag[1] is None:
+                    continue            # another station has it
                 if deaths >= _DEATHS:
                     yield from record(tag, Outcome(error=(
                         f"the work on this unit ended its worker {deaths} times, at last alone")))

@@ -15,6 +15,7 @@ import pytest
 from cameras import barrel_descriptor
 from lots import GOOD, Scripted, begun, driven, outcome
 from ncdc.cli import main
+from ncdc.lot.database import INTERRUPTED
 from ncdc.lot.figures import FIGURES, LIMITS, judge
 from ncdc.lot.run import SchedulerLost
 from ncdc.lot.units import Unit, find_units, local_photos
@@ -165,9 +166,29 @@ def test_a_unit_that_ends_its_worker_fails_alone(tmp_path):
     assert database.unit("U3")["tries"] == 4 and database.unit("U4")["tries"] == 2
 
 
+def test_two_stations_share_a_lot(tmp_path):
+    """Each works on what the other one has not; the slower one's list is out of date."""
+    one, other = begun(tmp_path, 8), begun(tmp_path, 8, station="other")
+    seen = []
+
+    def answer(serial, number):
+        if not seen:
+            seen.append("other")
+            seen.extend(done.serial for done in driven(other, lambda *tag: outcome())[0])
+        seen.append(serial)
+        return outcome()
+    mine, lost = driven(one, answer)
+    assert not lost and [done.serial for done in mine] == ["U1", "U2"]
+    assert seen == ["other", "U3", "U4", "U5", "U6", "U7", "U8", "U1", "U2"]
+    assert one.counts()["pass"] == 8 and one.unit("U5")["tries"] == 1
+
+
 def test_a_verdict_never_changes(tmp_path):
     database = begun(tmp_path, 1)
-    first, second = database.start("U1", "bench"), database.start("U1", "other")
+    first = database.start("U1", "bench")
+    assert database.start("U1", "other") is None
+    database.end("U1", first, INTERRUPTED)
+    second = database.start("U1", "other")
     assert database.save("U1", second, outcome(), ("pass", "", []), 0)
     assert not database.save("U1", first, outcome(), ("fail", "", ["late"]), 0)
     row = database.unit("U1")
