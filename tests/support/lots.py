@@ -51,19 +51,21 @@ class Scripted:
         return [(tag, answer)]
 
 
-def begun(folder, count=6, station="bench"):
-    """:class:`Database` of a lot of ``count`` units U1, U2, ... in ``folder``."""
-    database = Database(f"sqlite:///{folder}/lot.db", create=True)
+def begun(where, count=6, station="bench"):
+    """:class:`Database` of a lot of ``count`` units U1, U2, ..., in the folder or at the address
+    ``where``."""
+    where = str(where)
+    database = Database(where if "://" in where else f"sqlite:///{where}/lot.db", create=True)
     database.begin(_OPTIONS, [Unit(f"U{k}", (f"/photos/{k}.png",)) for k in range(1, count + 1)],
                    station)
     return database
 
 
-def driven(database, answer, slots=2):
+def driven(database, answer, slots=2, station="bench"):
     """The units that a run judges, and whether the scheduler was lost."""
     done = []
     try:
-        for one in run_lot(database, Scripted(answer, slots), _REQUEST, LIMITS, "bench"):
+        for one in run_lot(database, Scripted(answer, slots), _REQUEST, LIMITS, station):
             done.append(one)
     except SchedulerLost:
         return done, True
