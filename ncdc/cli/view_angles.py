@@ -1,6 +1,7 @@
 """Options of views: where the corrected picture looks, and what holds a film still."""
 
 import re
+from typing import Any
 
 from ncdc_model.stabilise.gyro_file import load_gyroscope
 from ncdc_model.stabilise.stabiliser import Stabiliser
@@ -11,7 +12,8 @@ from ncdc_spec.view_matrix import LIMITS, Angles, PlaneCamera, view_matrix
 
 __all__ = ["add_stabilisation", "add_view", "view_of", "view_options"]
 
-_STABILISATION = {"gyro_axes": "x,y,z", "gyro_offset": 0.0, "readout_ms": 0.0, "smooth": 0.5}
+_STABILISATION: dict[str, Any] = {"gyro_axes": "x,y,z", "gyro_offset": 0.0, "readout_ms": 0.0,
+                                  "smooth": 0.5}
 _TEXTS = {"pan": "degrees to the right", "tilt": "degrees up", "roll": "degrees clockwise",
           "zoom": "magnification"}
 
