@@ -2,11 +2,12 @@
 
 import argparse
 import importlib
+import importlib.util
 import os
 import sys
 from importlib.metadata import version
 
-from ncdc.cli.commands import COMMANDS, EXTRAS
+from ncdc.cli.commands import COMMANDS, EXTRAS, LATE
 from ncdc.terminal import say
 from ncdc_spec.errors import InputError
 
@@ -34,6 +35,9 @@ def parser(command=None):
     for name in (command,) if command in COMMANDS else COMMANDS:
         try:
             module = importlib.import_module(f"ncdc.cli.{name}")
+            late = LATE.get(name)
+            if late and importlib.util.find_spec(late) is None:
+                raise ModuleNotFoundError(f"No module named {late!r}", name=late)
         except ModuleNotFoundError:
             if name == command or name not in EXTRAS:
                 raise

@@ -1,6 +1,6 @@
 """Names of all commands, and a line on each: nothing here takes time to import."""
 
-__all__ = ["COMMANDS", "EXTRAS"]
+__all__ = ["COMMANDS", "EXTRAS", "LATE"]
 
 # Each has a module of its name in this package with EXAMPLE, add_arguments(parser) and run(args);
 # run returns the exit status, None for 0.
@@ -37,3 +37,7 @@ EXTRAS = {
     "export": "calibrate", "plan": "hdl", "generate": "hdl", "build": "boards", "simulate": "sim",
     "bench": "all", "soc": "soc",
 }
+
+# A package of a command's extra that it imports only as it runs, if at all: its absence is an
+# error before any work.
+LATE = {"calibrate": "scipy", "target": "matplotlib", "train": "scipy"}
