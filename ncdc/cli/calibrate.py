@@ -22,7 +22,6 @@ from ncdc_model.calibration.judged import judged
 from ncdc_model.calibration.overlay import Backdrop, draw_on
 from ncdc_model.calibration.quality import Dropped
 from ncdc_model.images import write_image
-from ncdc_model.memory import keep_freed_memory
 from ncdc_model.photo.names import photos_of
 from ncdc_spec.errors import InputError
 
@@ -56,7 +55,6 @@ def add_arguments(parser) -> None:
 
 def run(args) -> None:
     """Detect, write the points file and the overlays, report."""
-    keep_freed_memory()
     live, missing = {}, []
     if args.live is not None:
         args.photos, live, missing = pictures_of_live(args)
