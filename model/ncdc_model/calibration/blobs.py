@@ -145,28 +145,26 @@ def _centres(flat, labels, good, middles, area):
     The centroid is that of the ink in the picture ``flat``, or of the component without one.
     """
     depth = None if flat is None else _depth(flat, int(np.sqrt(np.median(area[good]))) + 2)
-    pixels, centre = _Pixels(labels, good, depth), middles
-    with np.errstate(all="ignore"):
+    deepest, count = np.zeros(len(good), np.float32), len(good)
+    for which, _, _, dark, _ in _pixels(labels, good, depth) if depth is not None else ():
+        np.maximum.at(deepest, which, dark)
+    (mass, x, y), (xx, yy, xy) = np.zeros((2, 3, count))
+    for which, column, row, dark, own in _pixels(labels, good, depth):
         if depth is not None:
-            centre = _ink_centres(pixels, len(good))
+            ink = np.clip(dark - _DARK * deepest[which], 0, None).astype(np.float64)
+            for total, weights in (mass, ink), (x, ink * column), (y, ink * row):
+                total += np.bincount(which, weights, count)
         # The fill is that of the flat region itself, as a binary shape.
-        own, (ax, ay) = pixels.which[pixels.own], (middles - centre).T
-        dx, dy = pixels.x[pixels.own] - middles[own, 0], pixels.y[pixels.own] - middles[own, 1]
-        xx, yy, xy = (np.bincount(own, product, len(good)) / area for product in
-                      (dx * dx, dy * dy, dx * dy))
-        xx, yy, xy = xx + ax * ax + 1 / 12, yy + ay * ay + 1 / 12, xy + ax * ay
+        mine = which[own]
+        dx, dy = column[own] - middles[mine, 0], row[own] - middles[mine, 1]
+        for total, product in (xx, dx * dx), (yy, dy * dy), (xy, dx * dy):
+            total += np.bincount(mine, product, count)
+    with np.errstate(all="ignore"):
+        centre = middles if depth is None else np.stack([x, y], axis=1) / mass[:, None]
+        ax, ay = (middles - centre).T
+        xx, yy, xy = xx / area + ax * ax + 1 / 12, yy / area + ay * ay + 1 / 12, xy / area + ax * ay
         fill = area / (4 * np.pi * np.sqrt(np.maximum(xx * yy - xy * xy, 1e-12)))
     return centre, fill
-
-
-def _ink_centres(pixels, count):
-    """Centroids (count, 2) of the ink: pixels weighted by their darkness."""
-    deepest = np.zeros(count, np.float32)
-    np.maximum.at(deepest, pixels.which, pixels.depth)
-    ink = np.clip(pixels.depth - _DARK * deepest[pixels.which], 0, None).astype(np.float64)
-    mass, x, y = (np.bincount(pixels.which, weights, count) for weights in
-                  (ink, ink * pixels.x, ink * pixels.y))
-    return np.stack([x / mass, y / mass], axis=1)
 
 
 def _depth(flat, size):
@@ -177,34 +175,31 @@ def _depth(flat, size):
     return np.subtract(white, flat, out=white)
 
 
-class _Pixels:
-    """The pixels of the ``good`` components, in the order of the rows.
+def _pixels(labels, good, depth):
+    """The pixels of the ``good`` components, one strip at a time, in the order of the rows.
 
-    With a picture ``depth`` also the free pixels next to them, and the picture's values.
+    With a picture ``depth`` also the free pixels next to them.
 
-    Attributes
-    ----------
-    which, x, y, depth : ndarray, shape (n,)
-        Component, column, row, and value.
+    Yields
+    ------
+    which, column, row, depth : ndarray, shape (n,)
+        Component, position, and value of the picture, or nothing.
     own : ndarray of bool, shape (n,)
         Whether the pixel is of the component, not next to it.
     """
-
-    def __init__(self, labels, good, depth):
-        number = np.where(good, np.arange(len(good)), 0).astype(np.float32)
-        around = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (2 * _MARGIN + 1,) * 2)
-        height, width, found = max(1, _STRIP // labels.shape[1]), labels.shape[1], []
-        for top in range(0, len(labels), height):
-            above = min(_MARGIN, top)
-            part = labels[top - above:top + height + _MARGIN]
-            near = number[part]
-            if depth is not None:
-                near = np.where(part > 0, near, cv2.dilate(near, around))
-            near = near[above:above + height].ravel()
-            at = np.flatnonzero(near)
-            row = at // width
-            found.append((near[at].astype(np.int32), (at - row * width).astype(np.int32),
-                          (row + top).astype(np.int32),
-                          at[:0] if depth is None else depth[top:top + height].ravel()[at],
-                          part[above:above + height].ravel()[at] > 0))
-        self.which, self.x, self.y, self.depth, self.own = map(np.concatenate, zip(*found))
+    number = np.where(good, np.arange(len(good)), 0).astype(np.float32)
+    around = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (2 * _MARGIN + 1,) * 2)
+    width = labels.shape[1]
+    height = max(1, _STRIP // width)
+    for top in range(0, len(labels), height):
+        above = min(_MARGIN, top)
+        part = labels[top - above:top + height + _MARGIN]
+        near = number[part]
+        if depth is not None:
+            near = np.where(part > 0, near, cv2.dilate(near, around))
+        near = near[above:above + height].ravel()
+        at = np.flatnonzero(near)
+        row = at // width
+        yield (near[at].astype(np.intp), at - row * width, row + top,
+               at[:0] if depth is None else depth[top:top + height].ravel()[at],
+               part[above:above + height].ravel()[at] > 0)
