@@ -112,6 +112,8 @@ def print_implemented(report, board, output):
         print(f"nextpnr-ecp5 {' '.join(nextpnr_options(board.device))} --json "
               f"{output / name}.json --lpf {output / name}.lpf --textcfg {output / name}.config")
         return
+    print("least slack of a clock: " + ", ".join(
+        f"{100 * one['slack']:.0f} % with seed {one['seed']}" for one in report["seeds"]))
     print(f"{report['lut']} LUTs, {report['ff']} flip-flops, {report['dsp']} multipliers, "
           f"{report['ram_blocks']} block RAMs; seed {report['seed']}")
     print(f"{output / name}.bit: {report['bitstream_bytes']} bytes, in {report['seconds']:.0f} s; "
