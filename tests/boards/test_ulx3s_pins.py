@@ -6,6 +6,7 @@ from pathlib import Path
 import pytest
 
 import ncdc_boards.camera_board.pins as pins
+import ncdc_boards.ecp5.csi2_camera as csi2_camera
 import ncdc_boards.ulx3s.top as top
 from litex_pins import litex_pins
 from ncdc_boards.ulx3s.platform import CAMERA_WIRES, Ulx3sPlatform
@@ -73,7 +74,7 @@ def test_the_cameras_wires_are_those_of_the_header(sites):
 
 
 def test_every_resource_that_the_top_asks_for_is_compared():
-    text = "".join(Path(module.__file__).read_text() for module in (top, pins))
+    text = "".join(Path(module.__file__).read_text() for module in (top, pins, csi2_camera))
     asked = set(re.findall(r'request\((?:platform, )?"(\w+)"', text))
     asked |= set(re.findall(r'"(button_\w+)"', text))
     compared = {"led" if name.startswith("led") else name.partition(".")[0] for name in LITEX}

@@ -1,5 +1,7 @@
 """Raw frames of more than eight bits, in 16-bit files and as dumps."""
 
+import re
+
 import cv2
 import numpy as np
 import pytest
@@ -160,6 +162,11 @@ def test_a_raw_frame_is_not_turned(corrected, orientation):
     assert corrected("raw.tif", "--bits", "12", expected=(raw >> 4).astype(np.uint8))[0] == 0
 
 
+def _without_hash(path):
+    """Text of a points file without the hash of its points, in which the photo's name counts."""
+    return re.sub(r'"points": "[0-9a-f]{64}"', "", path.read_text())
+
+
 def test_calibrate_takes_the_same_options(tmp_path, capsys):
     photo = cv2.imread("tests/data/opencv/left01.jpg", cv2.IMREAD_GRAYSCALE)
     deep = tmp_path / "left.png"
@@ -168,8 +175,8 @@ def test_calibrate_takes_the_same_options(tmp_path, capsys):
     assert main(["calibrate", str(deep), *arguments]) == 0
     assert "taken as 10-bit" in capsys.readouterr().err
     (tmp_path / "left.raw").write_bytes((photo.astype("<u2") << 2).tobytes())
-    first = (tmp_path / "points.json").read_text()
+    first = _without_hash(tmp_path / "points.json")
     height, width = photo.shape
     assert main(["calibrate", str(tmp_path / "left.raw"), *arguments,
                  "--raw", f"{width}x{height}:RGGB:10"]) == 0
-    assert (tmp_path / "points.json").read_text() == first.replace("left.png", "left.raw")
+    assert _without_hash(tmp_path / "points.json") == first.replace("left.png", "left.raw")

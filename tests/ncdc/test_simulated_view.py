@@ -46,7 +46,7 @@ def test_the_view_of_the_options(asked):
     (("out.png", "--pan", "9", "--matrix", *"100010001"), "--matrix is given together with angles"),
     (("out.png", "--pan", "9", "--follow"), "--follow is given with a view"),
     (("out.png", "--matrix", *"10001000", "nan"), "nine finite numbers are needed"),
-    (("out.gif", "--pan", "9", "--sensor", "mt9p031"), "--pan is given with --sensor mt9p031")])
+    (("out.gif", "--pan", "9", "--camera", "mt9p031"), "--pan is given with --camera mt9p031")])
 def test_options_that_are_rejected(asked, capsys, options, words):
     assert asked.rejected(*options) == 2
     assert words in capsys.readouterr().err

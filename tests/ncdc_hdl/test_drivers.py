@@ -9,6 +9,7 @@ import pytest
 from systemrdl import RDLCompiler
 from systemrdl.node import RegNode
 
+from cameras import barrel_descriptor
 from cocotb_run import design_of, run_cocotb
 from drivers import COUNTERS, WIDE, compile_c
 from ncdc_hdl.corrector import Corrector
@@ -277,8 +278,9 @@ except CorrectorError as error:
 
 
 def test_the_python_driver_writes_a_view(tmp_path):
-    made = Corrector(replace(WIDE, nodes=8), Hardware(view=True))
-    for name, text in driver_files(made, [("wide.toml", replace(WIDE, nodes=8))]).items():
+    lens = replace(barrel_descriptor((40, 16), (44, 18), hidden_neurons=3), nodes=8)
+    made = Corrector(lens, Hardware(view=True))
+    for name, text in driver_files(made, [("wide.toml", lens)]).items():
         (tmp_path / name).write_text(text)
     done = subprocess.run([sys.executable, "-c", VIEW], cwd=tmp_path, text=True,
                           capture_output=True)
