@@ -5,7 +5,7 @@ import re
 import struct
 import subprocess
 import zipfile
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from importlib.metadata import version
 from pathlib import Path
 
@@ -37,6 +37,8 @@ _SPECS = "picolibc.specs"       # of the C library
 _COMPILER = "riscv64-unknown-elf-gcc"
 _I2C_QUARTER_MIN = 8      # clocks
 _USERS = 8                  # of Table I at a time
+_MIRRORS = "ReverseX", "ReverseY"
+_WINDOW = "Width", "Height", "OffsetX", "OffsetY"
 SOURCES = ("start.S", "main.c", "net.c", "table.c", "gvcp.c", "gvcp_control.c", "gvcp_read.c",
            "gvcp_write.c", "auto.c", "stream.c", "frames.c", "mraw.c", "words.c", "sensor.c",
            "interrupt.c", "phy.c", "mdio.c", "ip.c", "eth.c", "uart.c", "memory.c")
@@ -114,7 +116,8 @@ def config(system, capacity, soc, setup, corner, identity=Identity(), *, sets_up
         **_hardware(capacity, soc), **_registers(system), **_pictures(system, setup),
         **_field(setup, Crop(*corner), system.descriptor.geometry),
         **_sensor(setup, soc.clock_hz, max(1, sets_up)),
-        **_protocols(identity, soc.clock_hz, genicam_xml(system.hardware.colour, features)),
+        **_protocols(identity, soc.clock_hz, genicam_xml(system.hardware.colour,
+                                                         _listed(features))),
         **_automatic(system, setup),
         "SETS_UP": int(sets_up > 0), "FIRST_READER": f"{first_reader}u"}.items()]
     own = _own(features)
@@ -317,6 +320,13 @@ def _features(setup):
     sensor = controlled_sensor(setup.sensor.name)
     return features_of(sensor,
                        None if sensor.controls.stretches else _frame_exposure(setup))
+
+
+def _listed(features):
+    """The features as the XML lists them: the firmware has one size of the picture and mirrors
+    nothing. Clients may write the values that are there."""
+    return [replace(one, lacking=True) if one.name in _MIRRORS else
+            replace(one, access="ro") if one.name in _WINDOW else one for one in features]
 
 
 def _own(features):

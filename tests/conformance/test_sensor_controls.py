@@ -1,6 +1,10 @@
 """Settings of a user of a network, in the registers of each sensor: one list for every device."""
 
+import io
+import struct
+import zipfile
 from dataclasses import replace
+from xml.etree import ElementTree
 
 import pytest
 
@@ -108,6 +112,24 @@ def one(request, name, wire_firmware, tmp_path_factory):
     found.close()
 
 
+def xml_of(client):
+    """The XML of a device, as clients read it."""
+    def memory(address, count):
+        status, answer = client.command(gvcp.READMEM, struct.pack(">IHH", address, 0, count))
+        assert status == gvcp.SUCCESS
+        return answer[4:]
+
+    url = gvcp.register("FirstUrl")
+    name, *where = memory(url.address, url.length).rstrip(b"\0").split(b";")
+    base, size = (int(number, 16) for number in where)
+    content = b"".join(memory(base + at, min(512, (size - at + 3) // 4 * 4))
+                       for at in range(0, size, 512))[:size]
+    if not name.endswith(b".zip"):
+        return content
+    with zipfile.ZipFile(io.BytesIO(content)) as archive:
+        return archive.read(*archive.namelist())
+
+
 def code(name, feature, value):
     """The GVCP register of a feature's value."""
     choices = {one.name: {choice.name: choice.value for choice in one.choices}
@@ -121,6 +143,20 @@ def test_a_setting_is_in_the_sensors_registers(name, one):
         assert one.client.set(**{feature: number}) == [gvcp.SUCCESS], (feature, value)
         assert {at: one.register(at) for at in words} == words, (feature, value)
         assert one.client.get(feature) == number
+
+
+def test_a_device_lists_what_it_has(one):
+    """The firmware has no mirrors and one size; what is there may be written again."""
+    access = {node.get("Name").removesuffix("Register"): node.findtext("{*}AccessMode")
+              for node in ElementTree.fromstring(xml_of(one.client)).findall("{*}IntReg")}
+    emulated = isinstance(one, Emulated)
+    assert access["Gain"] == "RW"
+    assert access.get("ReverseX") == access.get("ReverseY") == ("RW" if emulated else None)
+    for feature in ("Width", "Height", "OffsetX", "OffsetY"):
+        there = one.client.get(feature)
+        assert access[feature] == ("RW" if emulated else "RO")
+        assert one.client.set(**{feature: there}) == [gvcp.SUCCESS]
+        assert one.client.set(**{feature: there + 2}) == [gvcp.INVALID_PARAMETER]
 
 
 def test_values_that_the_sensor_lacks_are_rejected(name, one):

@@ -22,8 +22,8 @@ def read_view(device):
 def write_view(device, view):
     """Make ``view`` of :func:`read_view` the choice, while no pictures stream."""
     for name in (CORRECTION, *_MIRROR, "PixelFormat"):
-        if name in view and device.get(name) != view[name]:
-            device.set(name, view[name])
+        if name in view:
+            _change(device, name, view[name])
     if any(device.get(name) != view[name] for name in WINDOW):
         # A window moves and grows only inside the whole picture: the corner first.
         for name, value in (("OffsetX", 0), ("OffsetY", 0), *((name, view[name])
@@ -36,11 +36,16 @@ def show_whole(device, corrected, mirrored=True):
 
     ``mirrored``: as the user has set it; else as the sensor's pixels lie.
     """
-    if device.get(CORRECTION) != corrected:
-        device.set(CORRECTION, corrected)
+    _change(device, CORRECTION, corrected)
     if not mirrored:
-        for name in _MIRROR:
-            device.set(name, False)
+        for name in set(_MIRROR) & set(device.names()):
+            _change(device, name, False)
     for name, value in (("OffsetX", 0), ("OffsetY", 0), ("Width", device.get("WidthMax")),
                         ("Height", device.get("HeightMax"))):
+        _change(device, name, value)
+
+
+def _change(device, name, value):
+    """Set a feature that is not ``value`` yet: a device may have it read only."""
+    if device.get(name) != value:
         device.set(name, value)

@@ -212,6 +212,7 @@ class SettingsPanel(QWidget):
         if all(name in shown for name in (*WINDOW, "WidthMax", "HeightMax")):
             self._show_size(*(shown[name].value for name in (*WINDOW, "WidthMax", "HeightMax")))
         for name, box in self.mirror.items():
+            box.setVisible(name in self._infos)
             if info := shown.get(name):
                 with QSignalBlocker(box):
                     box.setChecked(info.value)

@@ -60,8 +60,8 @@ class ViewSteering(QObject):
         """Turn the view so that its content moves by ``moved``, a QPointF in pixels."""
         values = {name: self._value(name) for name in _NAMES}
         radius = self._tab.infos["ViewFocal"].value * values["Zoom"]
-        x, y = (-side if self._tab.infos[mirror].value else side for side, mirror in
-                ((moved.x(), "ReverseX"), (moved.y(), "ReverseY")))
+        x, y = (-side if self._mirrored(name) else side
+                for side, name in ((moved.x(), "ReverseX"), (moved.y(), "ReverseY")))
         roll, tilt = (math.radians(values[name]) for name in ("Roll", "Tilt"))
         across = x * math.cos(roll) - y * math.sin(roll)
         down = x * math.sin(roll) + y * math.cos(roll)
@@ -84,6 +84,10 @@ class ViewSteering(QObject):
 
     def _value(self, name):
         return self._sent[name][1] if name in self._sent else self._tab.infos[name].value
+
+    def _mirrored(self, name):
+        """Whether a direction is mirrored; a sensor may have no such mirror."""
+        return name in self._tab.infos and self._tab.infos[name].value
 
     def _set(self, **values):
         for name, value in values.items():
