@@ -47,6 +47,7 @@ NODE, COLUMN = Q(14, 6), Q(14, 0)
 """Of positions at nodes and between them, where they select a valid span."""
 
 _MAX_DEPTH = 2 - 2.0**-20
+_DEPTHS = 1e-18, 1e18   # of a real matrix: zero, or beyond all use, is a mistake
 _MIN_DEPTH = 1 / 8      # largest depth of a view in its formats, at least: steps stay precise
 
 
@@ -104,19 +105,23 @@ class View:
         Raises
         ------
         InputError
-            If an element is not finite, the size is beyond its limits, or an element is too large
-            for its format at the largest depth.
+            If an element is not finite, the size or the largest depth is beyond its limits, or an
+            element is too large for its format at that depth.
         """
         matrix = np.asarray(matrix, np.float64)
         if matrix.shape != (3, 3) or not np.isfinite(matrix).all():
             raise InputError(f"the view's matrix is {matrix.tolist()}, 3x3 finite numbers are "
                              f"needed")
         limits = np.array([[q.real(q.hi) for q in row] for row in FORMATS])
-        depth = np.abs(_depths(matrix, size)).max()
-        with np.errstate(divide="ignore"):
+        with np.errstate(over="ignore", invalid="ignore"):
+            depth = np.abs(_depths(matrix, size)).max()
+        if not _DEPTHS[0] <= depth <= _DEPTHS[1]:
+            raise InputError(f"the largest depth of the view's matrix is {depth:g}, the limits are "
+                             f"{_DEPTHS[0]:g} and {_DEPTHS[1]:g}")
+        with np.errstate(divide="ignore", over="ignore"):
             ratios = limits / np.abs(matrix)
-            ratio = min(ratios.min(), _MAX_DEPTH / depth)
-        if depth == 0 or ratio * depth < _MIN_DEPTH:
+        ratio = min(ratios.min(), _MAX_DEPTH / depth)
+        if ratio * depth < _MIN_DEPTH:
             row, column = np.unravel_index(ratios.argmin(), (3, 3))
             raise InputError(f"the view's matrix has {matrix[row, column]:g} in row {row}, column "
                              f"{column}, the limit is {limits[row, column] / _MIN_DEPTH:g} times "

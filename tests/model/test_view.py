@@ -225,8 +225,8 @@ def test_singular_matrices_and_those_behind_the_camera(matrix):
 
 
 @pytest.mark.parametrize("matrix,size,sentence", [
-    (np.diag([1, 1, 0.]), (64, 48), "1 in row 0, column 0, the limit is 128 times its largest "
-                                    "depth of 0"),
+    (np.diag([1, 1, 0.]), (64, 48), "largest depth of the view's matrix is 0, the limits are"),
+    (np.full((3, 3), 1e308), (64, 48), "largest depth of the view's matrix is inf, the limits"),
     (np.diag([300, 1, 1.]), (64, 48), "has 300 in row 0, column 0, the limit is 128 times"),
     (np.full((3, 3), np.nan), (64, 48), "3x3 finite numbers are needed"),
     (np.eye(2), (64, 48), "3x3 finite numbers are needed"),
