@@ -21,11 +21,11 @@ def sensor_named(name):
 def controlled_sensor(name):
     """The :class:`Sensor` of that name, whose settings a device on a network changes; raises
     :class:`InputError` if there is none."""
-    sensor = sensor_named(name)
-    if sensor.controls is None:
-        known = ", ".join(one.name for one in SENSORS if one.controls)
-        raise InputError(f"the sensor is {name}, a device on a network has one of {known}")
-    return sensor
+    known = {one.name: one for one in SENSORS if one.controls}
+    if name not in known:
+        raise InputError(f"the sensor is {name!r}, a device on a network has one of "
+                         f"{', '.join(known)}")
+    return known[name]
 
 
 def sensor_at(i2c_address):
