@@ -4,6 +4,7 @@ import argparse
 import importlib
 import importlib.util
 import os
+import re
 import sys
 from importlib.metadata import version
 
@@ -21,6 +22,11 @@ _INTERRUPTED = 130                  # exit status of programs that Ctrl-C has en
 
 class _Parser(argparse.ArgumentParser):
     """Prints one sentence on bad usage instead of the whole usage text."""
+
+    def __init__(self, *args, **options):
+        super().__init__(*args, **options)
+        # Before Python 3.14, -1e-5 is taken for an option.
+        self._negative_number_matcher = re.compile(r"-\.?\d")
 
     def error(self, message):
         self.exit(2, f"{self.prog}: {message}\n")

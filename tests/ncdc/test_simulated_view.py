@@ -38,6 +38,9 @@ def test_the_view_of_the_options(asked):
     matrix = "1 .1 2 -.1 1 3 0 .001 1"
     assert asked("--matrix", *matrix.split()) == (
         True, View.of(np.reshape(list(map(float, matrix.split())), (3, 3)), SIZE))
+    # A negative number with an exponent is no option.
+    assert asked("--matrix", *"1 0 0 -1e-1 1 0 0 0 1".split()) == (
+        True, View.of([[1, 0, 0], [-.1, 1, 0], [0, 0, 1]], SIZE))
     wanted = PlaneCamera.of(seen_lens()).looking(Angles(pan=-10, zoom=2), (64, 48))
     assert asked("--pan", "-10", "--zoom", "2", "--view-size", "64x48") == (True, wanted)
 
@@ -46,7 +49,7 @@ def test_the_view_of_the_options(asked):
     (("out.png", "--pan", "9", "--matrix", *"100010001"), "--matrix is given together with angles"),
     (("out.png", "--pan", "9", "--follow"), "--follow is given with a view"),
     (("out.png", "--matrix", *"10001000", "nan"), "nine finite numbers are needed"),
-    (("out.gif", "--pan", "9", "--camera", "mt9p031"), "--pan is given with --camera mt9p031")])
+    (("out.gif", "--pan", "9", "--sensor", "mt9p031"), "--pan is given with --camera mt9p031")])
 def test_options_that_are_rejected(asked, capsys, options, words):
     assert asked.rejected(*options) == 2
     assert words in capsys.readouterr().err
