@@ -36,7 +36,7 @@ def add_stabilisation(parser):
                              "y_rad_s, z_rad_s")
     parser.add_argument("--gyro-axes", metavar="AXES",
                         help="axes of the gyroscope that are the camera's right, down and forward, "
-                             "as in -y,x,z (default: x,y,z)")
+                             "as in --gyro-axes=-y,x,z (default: x,y,z)")
     parser.add_argument("--gyro-offset", type=float, metavar="S",
                         help="time of the gyroscope when the film begins, seconds (default: 0)")
     parser.add_argument("--readout-ms", type=float, metavar="MS",

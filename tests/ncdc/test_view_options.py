@@ -124,8 +124,8 @@ def test_a_film_of_a_camera_that_pans(film, lens):
     undone, with much of it all but the mean is."""
     rate = np.radians(100)
     rows = [f"{t:.3f},{-rate:.9f},0,0" for t in np.arange(-.1, .4, .005)]
-    (path := "gyro.csv") and open(path, "w").write("\n".join([HEAD, *rows]))
-    options = ["--gyro", path, "--gyro-axes", "y,-x,z", "--gyro-offset", "0.02"]
+    open("gyro.csv", "w").write("\n".join([HEAD, *rows]))
+    options = ["--gyro", "gyro.csv", "--gyro-axes", "y,-x,z", "--gyro-offset", "0.02"]
     assert main(["correct", "net.toml", "clip.mp4", "-o", "held.mp4", *options, "--smooth",
                  "100"]) == 0
     assert main(["correct", "net.toml", "clip.mp4", "-o", "free.mp4", *options, "--smooth",

@@ -42,7 +42,7 @@ def load_gyroscope(path, axes="x,y,z"):
     values = np.array([_numbers(path, number, line) for number, line in enumerate(lines, 2)
                        if line.strip()])
     if len(values) < 2:
-        raise InputError(f"{path} holds {len(values)} samples, 2 are the limit")
+        raise InputError(f"{path} holds {len(values)} samples, at least 2 are needed")
     _check(path, values)
     return Gyroscope(values[:, 0], values[:, 1:] @ turn.T)
 
@@ -53,8 +53,8 @@ def _numbers(path, number, line):
     except ValueError:
         values = []
     if len(values) != len(COLUMNS) or not np.isfinite(values).all():
-        raise InputError(f"line {number} of {path} is {line!r}, {len(COLUMNS)} numbers are "
-                         f"needed")
+        raise InputError(f"line {number} of {path} is {line!r}, {len(COLUMNS)} finite "
+                         f"numbers are needed")
     return values
 
 
