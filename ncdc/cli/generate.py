@@ -6,7 +6,7 @@ from ncdc.cli.common import add_json, raw_frame, write_report
 from ncdc.cli.hardware import (
     add_bus,
     add_hardware,
-    add_view,
+    add_view_registers,
     fixed_of,
     front_end_line,
     hardware_of,
@@ -58,7 +58,7 @@ def add_arguments(parser) -> None:
                           help="with registers for white balance of raw frames, before "
                                "interpolation, which change no pixel until they are written; for "
                                "raw frames that NCDC's own camera has not balanced")
-    add_view(hardware)
+    add_view_registers(hardware)
     add_bus(hardware)
     more = parser.add_argument_group("what is written")
     more.add_argument("--name", metavar="NAME",

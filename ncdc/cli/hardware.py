@@ -21,8 +21,9 @@ from ncdc_spec.hardware import (
 )
 from ncdc_spec.nodes import row_nodes
 
-__all__ = ["add_bus", "add_fixed", "add_format", "add_hardware", "add_lanes", "add_view",
-           "choice_line", "fixed_of", "front_end_line", "hardware_of", "planned"]
+__all__ = ["add_bus", "add_fixed", "add_format", "add_hardware", "add_lanes",
+           "add_view_registers", "choice_line", "fixed_of", "front_end_line", "hardware_of",
+           "planned"]
 
 _LONG = 1 << 20         # pixels of a frame from which on planning shows its progress
 
@@ -81,7 +82,7 @@ def add_hardware(parser):
                              "pixel until they are written, and sums of a frame's colours")
 
 
-def add_view(parser):
+def add_view_registers(parser):
     """Declare the option --view."""
     parser.add_argument("--view", action="store_true",
                         help="with registers for the matrix of a view (pan, tilt, zoom, roll), "

@@ -6,7 +6,7 @@ from dataclasses import replace
 from ncdc.cli.colour import add_colour, colour_choice, colour_line, colour_report, has_gains
 from ncdc.cli.common import add_json, add_samples, raw_frame, write_report
 from ncdc.cli.follow import add_follow, bound_of, follow_strip
-from ncdc.cli.hardware import add_hardware, add_view, fixed_of, hardware_of, planned
+from ncdc.cli.hardware import add_hardware, add_view_registers, fixed_of, hardware_of, planned
 from ncdc.cli.moving import add_moving, run_moving
 from ncdc.cli.view import add_simulated_view, simulated_view
 from ncdc.cli.waves import add_waves, waves_of
@@ -49,7 +49,7 @@ def add_arguments(parser) -> None:
     add_follow(parser.add_argument_group("low latency"))
     add_moving(parser)
     view = parser.add_argument_group("view")
-    add_view(view)
+    add_view_registers(view)
     add_simulated_view(view)
     add_colour(parser.add_argument_group("colour"))
     add_samples(parser.add_argument_group("samples of the file"))
