@@ -38,8 +38,10 @@ def show_whole(device, corrected, mirrored=True):
     """
     _change(device, CORRECTION, corrected)
     if not mirrored:
-        for name in set(_MIRROR) & set(device.names()):
-            _change(device, name, False)
+        present = set(device.names())
+        for name in _MIRROR:
+            if name in present:
+                _change(device, name, False)
     for name, value in (("OffsetX", 0), ("OffsetY", 0), ("Width", device.get("WidthMax")),
                         ("Height", device.get("HeightMax"))):
         _change(device, name, value)
