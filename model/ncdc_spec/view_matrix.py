@@ -88,13 +88,19 @@ class PlaneCamera:
         Raises
         ------
         InputError
-            If the descriptor does not state it, as one trained from a remap table.
+            If the descriptor does not state it, as one trained from a remap table, or states what
+            no camera has.
         """
         if not has_plane(descriptor):
             raise InputError("the descriptor does not state the focal length of its picture "
                              "(provenance.frame), which a view needs: train it from points or "
                              "from a camera file")
-        focal, *centre, aspect = [*descriptor.provenance["frame"], 1.0][:4]
+        frame = descriptor.provenance["frame"]
+        numbers = [float(one) if isinstance(one, int | float) else np.nan for one in (*frame, 1)]
+        focal, *centre, aspect = numbers[:4]
+        if not (np.isfinite(numbers).all() and focal > 0 and aspect > 0):
+            raise InputError(f"the descriptor's provenance.frame is {frame}, a focal length above "
+                             f"0, the centre and an aspect ratio above 0 are needed")
         return cls(descriptor.geometry.corrected, focal, tuple(centre), aspect)
 
     @property
@@ -132,7 +138,8 @@ class PlaneCamera:
 
 def has_plane(descriptor):
     """Whether the descriptor states the camera of its corrected picture."""
-    return len(descriptor.provenance.get("frame", ())) >= 3
+    frame = descriptor.provenance.get("frame")
+    return isinstance(frame, list | tuple) and len(frame) >= 3
 
 
 def view_matrix(trained, view, rotation):
