@@ -62,7 +62,7 @@ def change_film(source, target, size, change, warn, progress=lambda fraction: No
     InputError
         If the source cannot be read, or the target cannot be written.
     """
-    count, turned = 0, _turned(source)
+    count, turned, began = 0, _turned(source), None
     with _opened(source) as (film, pictures):
         total = _count(film, pictures)
         with writing_film(target, size, pictures.average_rate, pictures.time_base) as out:
@@ -75,8 +75,9 @@ def change_film(source, target, size, change, warn, progress=lambda fraction: No
                         out.container.mux(packet)
                     continue
                 for frame in packet.decode():
-                    picture = frame.to_ndarray(format="rgb24")
-                    out.write(change(picture, float(frame.time or 0.0)), like=frame)
+                    picture, time = frame.to_ndarray(format="rgb24"), float(frame.time or 0.0)
+                    began = time if began is None else began    # of some files not at 0
+                    out.write(change(picture, time - began), like=frame)
                     count += 1
                     if total:
                         progress(min(count / total, 1))

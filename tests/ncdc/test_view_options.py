@@ -138,6 +138,22 @@ def test_a_film_of_a_camera_that_pans(film, lens):
             assert np.abs(picture.astype(int) - wanted)[seen].mean() < 4, (k, pan)
 
 
+def test_the_time_of_a_film_is_from_its_first_picture(film):
+    """A film whose time stamps begin at 5 s, and samples from 0 to 1 s."""
+    open("still.csv", "w").write("\n".join([HEAD, *(f"{k / 20},0,0,0" for k in range(21))]))
+    with film.open("clip.mp4") as clip, film.open("late.mkv", "w") as late:
+        stream = late.add_stream_from_template(clip.streams.video[0])
+        for packet in clip.demux(video=0):
+            if packet.dts is not None:
+                moved, packet.stream = round(5 / packet.time_base), stream
+                packet.pts, packet.dts = packet.pts + moved, packet.dts + moved
+                late.mux(packet)
+    with film.open("late.mkv") as late:
+        assert next(late.decode(video=0)).time == 5
+    assert main(["correct", "net.toml", "late.mkv", "-o", "view.mkv", "--gyro", "still.csv"]) == 0
+    assert len(pictures(film, "view.mkv")) == COUNT
+
+
 @pytest.mark.parametrize("options,message", [
     (["--pan", "91"], "pan is 91, the limits are -90 and 90"),
     (["--zoom", "0"], "zoom is 0, the limits are 0.25 and 8"),
@@ -167,7 +183,12 @@ def test_a_gyroscope_needs_a_film(lens, tmp_path, monkeypatch, capsys):
 
 
 def test_a_view_needs_a_focal_length(film, capsys):
-    from cameras import barrel_descriptor
-    barrel_descriptor(SIZE, SIZE).save("net.toml")
-    assert main(["correct", "net.toml", "clip.mp4", "-o", "view.mp4", "--pan", "1"]) == 2
-    assert "does not state the focal length" in capsys.readouterr().err
+    text = open("net.toml").read()
+    for frame, message in (("5", "does not state the focal length"),
+                           ("[0.0, 1.0, 2.0]", "provenance.frame is [0.0, 1.0, 2.0], a focal"),
+                           ('["a", 1, 2]', "provenance.frame is ['a', 1, 2], a focal length"),
+                           ("[60.0, 1.0, 2.0, -1.0]", "and an aspect ratio above 0 are needed")):
+        assert "frame = [60.0, 46.5, 33.0]" in text
+        open("net.toml", "w").write(text.replace("[60.0, 46.5, 33.0]", frame))
+        assert main(["correct", "net.toml", "clip.mp4", "-o", "view.mp4", "--pan", "1"]) == 2
+        assert message in capsys.readouterr().err
