@@ -85,7 +85,7 @@ def pack(serial, descriptor, neurons=None):
     Parameters
     ----------
     serial : str
-        Serial number, up to 32 characters of ASCII.
+        Serial number, up to 32 printable characters of ASCII.
     descriptor : Descriptor
     neurons : int, optional
         Hidden neurons of the hardware; those that the network lacks have zeros.
@@ -93,11 +93,14 @@ def pack(serial, descriptor, neurons=None):
     Raises
     ------
     InputError
-        If the serial number does not fit, or the network has more neurons than the hardware.
+        If the serial number does not fit, or the network has more neurons than the hardware, or the
+        hardware more than there can be.
     """
-    if not serial.isascii() or not serial.isprintable() or len(serial) > SERIAL_BYTES:
-        raise InputError(f"the serial number is {serial!r}, up to {SERIAL_BYTES} characters of "
+    if not serial.isascii() or not serial.isprintable() or not 1 <= len(serial) <= SERIAL_BYTES:
+        raise InputError(f"the serial number is {serial!r}, 1 up to {SERIAL_BYTES} characters of "
                          f"ASCII are needed")
+    if neurons is not None and neurons > MAX_NEURONS:
+        raise InputError(f"{neurons} hidden neurons are asked for, the maximum is {MAX_NEURONS}")
     g, values = descriptor.geometry, network_values(descriptor, neurons).values()
     rows = _packed_rows(descriptor.valid.spans)
     length = _HEADER.size + 4 * len(values) + len(rows) + _CHECKSUM
@@ -144,7 +147,10 @@ def unpack(content):
                                                                    interpolation_of)))
             if bool(flags) != (descriptor.skip_weights is not None):
                 raise InputError("skip path")
-            return Image(serial.rstrip(b"\0").decode("ascii"), descriptor)
+            name = serial.rstrip(b"\0").decode("ascii")
+            if not name.isprintable():
+                raise InputError(f"the serial number {name!r}")
+            return Image(name, descriptor)
     except (InputError, IndexError, struct.error) as error:
         raise EepromError("CONTENT", str(error)) from error
 

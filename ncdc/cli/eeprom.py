@@ -21,7 +21,7 @@ def add_arguments(parser) -> None:
     write = _action(actions, "write", "write the image of a descriptor")
     write.add_argument("descriptor", metavar="NET", help="descriptor of ncdc train")
     write.add_argument("--serial", required=True, metavar="TEXT",
-                       help="serial number, up to 32 characters")
+                       help="serial number, 1 up to 32 characters")
     write.add_argument("--neurons", type=int, metavar="N",
                        help="hidden neurons of the hardware (default: those of the network)")
     write.add_argument("-o", "--output", required=True, metavar="IMAGE", help="file to write")
@@ -52,7 +52,7 @@ def run(args) -> None:
         if args.like:
             check_like(image, Descriptor.load(args.like))
     if args.action == "read":
-        check_outputs([args.output], [args.eeprom])
+        check_outputs([args.output], [args.eeprom, *filter(None, [args.like])])
         image.descriptor.save(args.output)
         print(f"{args.output}: the lens of {image.serial}")
         return

@@ -57,7 +57,11 @@ DAMAGED = {
     "too long": (changed(8, 255, 255), "LENGTH"),
     "a bit of a weight": (GOOD[:90] + bytes([GOOD[90] ^ 4]) + GOOD[91:], "CHECKSUM"),
     "a wrong checksum": (GOOD[:-1] + bytes([GOOD[-1] ^ 1]), "CHECKSUM"),
-    "unknown flags": (changed(6, 2), "CONTENT"), "no such filter": (changed(7, 5), "CONTENT"),
+    "unknown flags": (changed(6, 2), "CONTENT"),
+    "a skip path without a format": (changed(6, 1), "CONTENT"),
+    "a serial number with a line break": (changed(30, 10), "CONTENT"),
+    "a serial number that goes on after a zero": (changed(59, 65), "CONTENT"),
+    "no such filter": (changed(7, 5), "CONTENT"),
     "a weight out of range": (changed(82, 0, 0, 0, 1), "CONTENT"),
     "rows cut": (shortened(1), "CONTENT"), "a byte after the rows": (lengthened(), "CONTENT"),
     "a span that ends beyond the picture":
@@ -127,7 +131,7 @@ def test_an_image_of_a_large_picture_with_nodes_and_a_skip_path():
     np.testing.assert_array_equal(padded.output_weights[:, :8], one.output_weights)
 
 
-@pytest.mark.parametrize("serial", ["A" * 33, "ä", "A\n"])
+@pytest.mark.parametrize("serial", ["", "A" * 33, "ä", "A\n"])
 def test_a_serial_number_that_does_not_fit_is_rejected(serial):
     with pytest.raises(InputError, match="up to 32 characters of ASCII"):
         pack(serial, OTHER)

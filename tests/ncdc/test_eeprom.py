@@ -38,6 +38,8 @@ def test_an_image_is_written_shown_and_read(folder, capsys):
     ("show net.toml", "net.toml: the image is rejected: it does not begin with NCDE"),
     ("show a.bin --for wide.toml", "another size of picture ((20, 16, 24, 18), (24, 16, 24, 18)"),
     ("read a.bin -o a.bin", "the output a.bin would replace the input a.bin"),
+    ("read a.bin --for net.toml -o net.toml", "net.toml would replace the input net.toml"),
+    ("write net.toml --serial A --neurons 300 -o b.bin", "300 hidden neurons are asked for"),
     ("write net.toml --serial ä -o b.bin", "up to 32 characters of ASCII"),
     ("write net.toml --serial A --neurons 2 -o b.bin", "has 3 hidden neurons, the hardware has 2")])
 def test_bad_input_is_one_sentence(folder, capsys, arguments, message):

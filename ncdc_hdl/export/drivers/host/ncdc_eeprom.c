@@ -3,8 +3,9 @@
 /* Byte offsets in the image. */
 enum {
     VERSION = 4, NEURONS = 5, FLAGS = 6, PATTERN = 7, LENGTH = 8, SIZES = 10, FILL = 18, DIGEST = 22,
-    SERIAL = 28, KIND = 60, PARAMETERS = 82, CHECKSUM_BYTES = 4
+    SERIAL = 28, KIND = 60, PARAMETERS = 82
 };
+enum { SERIAL_BYTES = 32, CHECKSUM_BYTES = 4 };
 /* Formats among those of the image. */
 enum { HIDDEN_WEIGHT = 1, HIDDEN_BIAS = 2, OUTPUT_WEIGHT = 5, OUTPUT_BIAS = 6, SKIP_WEIGHT = 8 };
 enum { LAYOUT = 1, PATTERNS = 5, SPANS = 4 };
@@ -81,6 +82,26 @@ static int fits(const uint8_t *parameter, const uint8_t *format)
     uint32_t sign = value >> (width - 1);       /* all ones or zeros with the bits above */
 
     return sign == 0 || sign == 0xFFFFFFFFu >> (width - 1);
+}
+
+/* Whether the formats of the image have one for the weights of a skip path. */
+static int has_skip_format(const uint8_t *image)
+{
+    const uint8_t *format = image + KIND + 4 + 2 * SKIP_WEIGHT;
+
+    return format[0] || format[1];
+}
+
+/* Whether the serial number is printable, and zeros follow it. */
+static int serial_fits(const uint8_t *serial)
+{
+    uint32_t k = 0;
+
+    while (k < SERIAL_BYTES && serial[k] >= 0x20 && serial[k] < 0x7F)
+        ++k;
+    while (k < SERIAL_BYTES && serial[k] == 0)
+        ++k;
+    return k == SERIAL_BYTES;
 }
 
 /* Whether the parameters, in the order of their registers, fit the formats of the image. */
@@ -165,7 +186,8 @@ enum ncdc_eeprom_result ncdc_eeprom_read(const uint8_t *image, uint32_t bytes,
 
     if (result != NCDC_EEPROM_OK)
         return result;
-    if (image[FLAGS] > 1 || image[PATTERN] >= PATTERNS)
+    if (image[FLAGS] != has_skip_format(image) || image[PATTERN] >= PATTERNS
+            || !serial_fits(image + SERIAL))
         return NCDC_EEPROM_CONTENT;
     if (!equal(image + KIND, built_in->kind, NCDC_KIND_BYTES))
         return NCDC_EEPROM_KIND;
@@ -194,9 +216,9 @@ enum ncdc_eeprom_result ncdc_eeprom_read(const uint8_t *image, uint32_t bytes,
             into->values[k].value = number(image + FILL, 3);
     }
     hex(image + DIGEST, into->digest);
-    for (k = 0; k < 32; ++k)
+    for (k = 0; k < SERIAL_BYTES; ++k)
         into->serial[k] = (char)image[SERIAL + k];
-    into->serial[32] = 0;
+    into->serial[SERIAL_BYTES] = 0;
     into->lens.digest = into->digest;
     into->lens.values = into->values;
     into->lens.valid_rows = into->valid_rows;
