@@ -1,6 +1,12 @@
 """``ncdc lot``: calibrates every unit of a production lot, judges and records it."""
 
+from sqlalchemy.exc import SQLAlchemyError
+
 from ncdc.cli import lot_compare, lot_export, lot_report, lot_run, lot_show
+from ncdc.cli.lot_run import database_file
+from ncdc.lot.database import reason_of
+from ncdc_spec.errors import InputError
+from ncdc_spec.files import check_outputs
 
 __all__ = ["EXAMPLE", "add_arguments", "run"]
 
@@ -26,5 +32,19 @@ def add_arguments(parser) -> None:
 
 
 def run(args) -> int | None:
-    """Run the chosen action."""
-    return args.action_of(args)
+    """Run the chosen action.
+
+    Raises
+    ------
+    InputError
+        If the database fails, or a file to write is the database.
+    """
+    lots = args.lots if args.action == "compare" else [
+        args.output if args.action == "run" else args.lot]
+    outputs = [args.output, args.parquet] if args.action == "report" else []
+    check_outputs(list(filter(None, outputs)), [database_file(lot) for lot in lots],
+                  [args.json] if args.json not in (None, "-") else [])
+    try:
+        return args.action_of(args)
+    except SQLAlchemyError as error:
+        raise InputError(f"the database failed: {reason_of(error)}") from error

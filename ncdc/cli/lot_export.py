@@ -38,6 +38,10 @@ def run(args) -> None:
     if not count:
         raise InputError(f"{args.lot} has no unit to export: none has the verdict "
                          f"{' or '.join(sorted(wanted))}")
+    for row in database.rows():
+        if row["verdict"] in wanted and args.neurons is not None and row["neurons"] > args.neurons:
+            raise InputError(f"the unit {row['serial']} has {row['neurons']:g} hidden neurons, the "
+                             f"hardware has {args.neurons}")
     written, largest = 0, 0
     for row in database.rows():
         if row["verdict"] in wanted:

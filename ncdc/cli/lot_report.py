@@ -5,7 +5,6 @@ from pathlib import Path
 from ncdc.cli.common import add_json, write_report
 from ncdc.cli.lot_run import database_at
 from ncdc_spec.errors import InputError
-from ncdc_spec.files import check_outputs
 
 __all__ = ["EXAMPLE", "add_arguments", "run"]
 
@@ -26,11 +25,10 @@ def run(args) -> None:
     """Write the page, and the rows."""
     from ncdc.report import lot  # Matplotlib takes half a second
 
-    check_outputs([path for path in (args.output, args.parquet) if path], [])
     database = database_at(args.lot)
     if not any(database.counts()[verdict] for verdict in ("pass", "look", "fail")):
         raise InputError(f"{args.lot} has no unit that was judged: ncdc lot run judges them")
-    title = args.lot if "://" in args.lot else Path(args.lot).resolve().name
+    title = database.address if "://" in args.lot else Path(args.lot).resolve().name
     report = lot.write_report(args.output, database, f"The lot {title}")
     if args.parquet:
         from ncdc.lot.parquet import write_parquet

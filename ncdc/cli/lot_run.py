@@ -4,12 +4,14 @@ import socket
 import time
 from pathlib import Path
 
+from sqlalchemy import URL
+
 from ncdc.cli.common import add_json, add_page, write_report
 from ncdc.cli.train import neurons_of, size_of
 from ncdc.lot.database import Database
 from ncdc.lot.figures import FAIL, FIGURES, LIMITS, PASS, VERDICTS, check_limits
 from ncdc.lot.run import SchedulerLost, run_lot
-from ncdc.lot.units import find_units
+from ncdc.lot.units import STATION_LENGTH, find_units
 from ncdc.lot.work import Request
 from ncdc.terminal import Progress, say
 from ncdc_model.training.choose import GOAL
@@ -17,11 +19,12 @@ from ncdc_spec.errors import InputError
 from ncdc_spec.geometry import BAYERS
 from ncdc_spec.interpolation import DEFAULT, INTERPOLATIONS
 
-__all__ = ["EXAMPLE", "add_arguments", "database_at", "run"]
+__all__ = ["EXAMPLE", "add_arguments", "database_at", "database_file", "run"]
 
 EXAMPLE = "ncdc lot run units/ --target dots --neurons 8 --max-error 0.3 -o lot"
 
 _FILE = "lot.db"
+_MAX_TIMEOUT = 1_000_000            # seconds: more than a week
 
 
 def add_arguments(parser) -> None:
@@ -54,6 +57,9 @@ def add_arguments(parser) -> None:
                        help="processes on this machine (default: one per processor)")
     where.add_argument("--scheduler", metavar="ADDRESS",
                        help="Dask scheduler whose workers do the work, such as tcp://10.0.0.5:8786")
+    where.add_argument("--timeout", type=float, default=3600.0, metavar="SECONDS",
+                       help="longest work on a unit: after that its worker ends, and the unit runs "
+                            "again as after a crash (default: 3600)")
     where.add_argument("--station", default=socket.gethostname(), metavar="NAME",
                        help="name of the station, for units whose CSV has none (default: the name "
                             "of this machine)")
@@ -74,6 +80,11 @@ def _add_limits(parser):
                                 help=f"{kind} {title} (default: {text})".replace("%", "%%"))
 
 
+def database_file(output):
+    """Path of the database of the lot in the folder ``output``; an address as it is."""
+    return output if "://" in output else str(Path(output) / _FILE)
+
+
 def database_at(output, create=False):
     """The :class:`Database` of a lot: in the folder ``output``, or at that address.
 
@@ -84,7 +95,7 @@ def database_at(output, create=False):
     """
     if "://" in output:
         return Database(output, create)
-    path = Path(output) / _FILE
+    path = Path(database_file(output))
     if create:
         try:
             path.parent.mkdir(parents=True, exist_ok=True)
@@ -92,7 +103,7 @@ def database_at(output, create=False):
             raise InputError(f"cannot write {output}: {error.strerror}") from error
     elif not path.is_file():
         raise InputError(f"{output} holds no lot: there is no {path}")
-    return Database(f"sqlite:///{path}", create)
+    return Database(URL.create("sqlite", database=str(path)), create)
 
 
 def run(args) -> int:
@@ -104,6 +115,11 @@ def run(args) -> int:
         raise InputError(f"--workers is {args.workers}, the minimum is 1")
     if args.scheduler and args.workers:
         raise InputError("--workers is of this machine, the scheduler has its own")
+    if not 1 <= args.timeout <= _MAX_TIMEOUT:
+        raise InputError(f"--timeout is {args.timeout:g} s, the limits are 1 and {_MAX_TIMEOUT}")
+    if not 1 <= len(args.station) <= STATION_LENGTH:
+        raise InputError(f"--station has {len(args.station)} characters, the limits are 1 and "
+                         f"{STATION_LENGTH}")
     units = find_units(args.units)
     database = database_at(args.output, create=True)
     database.begin({**vars(request), **limits}, units, args.station)
@@ -136,7 +152,7 @@ def _work(args, database, request, limits):
         return 0
     from ncdc.lot.workers import connect  # Dask takes a second
 
-    with connect(args.scheduler, args.workers) as workers:
+    with connect(args.scheduler, args.workers, args.timeout) as workers:
         forecast = _Forecast(counts, waiting)
         try:
             for done in run_lot(database, workers, request, limits, args.station):

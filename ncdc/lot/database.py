@@ -14,7 +14,7 @@ from ncdc.lot.figures import FIGURES, VERDICTS
 from ncdc.lot.schema import FACTS, FILES, METADATA, SCHEMA, TRIES, UNITS
 from ncdc_spec.errors import InputError
 
-__all__ = ["DIED", "Database", "INTERRUPTED", "JUDGED"]
+__all__ = ["DIED", "Database", "INTERRUPTED", "JUDGED", "reason_of"]
 
 JUDGED, DIED, INTERRUPTED = "judged", "died", "interrupted"     # ends of a try
 
@@ -29,7 +29,7 @@ class Database:
 
     Parameters
     ----------
-    address : str
+    address : str or sqlalchemy.URL
     create : bool
         Make the tables if there are none.
 
@@ -40,9 +40,9 @@ class Database:
     """
 
     def __init__(self, address, create=False):
-        self.address = address
         try:
             self.engine = create_engine(address)
+            self.address = address = str(self.engine.url)       # without the password
             if self.engine.dialect.name == "sqlite":
                 event.listen(self.engine, "connect", _patient)
             if not inspect(self.engine).has_table(FACTS.name):
@@ -52,7 +52,7 @@ class Database:
                 self._add_fact("schema", str(SCHEMA))
             schema = self.fact("schema")
         except (SQLAlchemyError, ImportError) as error:
-            raise InputError(f"cannot open the database {address}: {_reason(error)}") from error
+            raise InputError(f"cannot open the database {address}: {reason_of(error)}") from error
         if schema != str(SCHEMA):
             raise InputError(f"{address} has tables of version {schema}, version {SCHEMA} is "
                              f"needed")
@@ -73,6 +73,8 @@ class Database:
     def begin(self, options, units, station):
         """Add ``units`` that are not there yet, and end the open tries of ``station``.
 
+        A unit of this station that waits gets the photos that it has now.
+
         Parameters
         ----------
         options : dict
@@ -91,16 +93,21 @@ class Database:
             self._add_fact("request", text)
         elif begun != text:
             before = json.loads(begun)
-            name = next(key for key in options if before.get(key) != options[key])
+            name = next(key for key in (*options, *before) if before.get(key) != options.get(key))
             raise InputError(f"the lot was begun with {name} {before.get(name)}, this run has "
-                             f"{options[name]}: another -o, or the same options")
+                             f"{options.get(name)}: another -o, or the same options")
         with self.engine.begin() as connection:
             number = connection.scalar(select(func.coalesce(func.max(UNITS.c.number), 0)))
             units = iter(units)
             while some := list(islice(units, _BATCH)):
                 serials = [unit.serial for unit in some]
-                there = set(connection.scalars(select(UNITS.c.serial).where(
-                    UNITS.c.serial.in_(serials))))
+                there = dict(connection.execute(select(UNITS.c.serial, UNITS.c.photos).where(
+                    UNITS.c.serial.in_(serials))).all())
+                for unit in some:
+                    if there.get(unit.serial, photos := json.dumps(unit.photos)) != photos:
+                        connection.execute(update(UNITS).values(photos=photos).where(
+                            UNITS.c.serial == unit.serial, UNITS.c.verdict.is_(None),
+                            UNITS.c.station == (unit.station or station)))
                 new = [unit for unit in some if unit.serial not in there]
                 rows = [{"serial": unit.serial, "number": number + k,
                          "station": unit.station or station, "photos": json.dumps(unit.photos)}
@@ -273,7 +280,7 @@ def _patient(connection, _record):
     connection.execute("PRAGMA busy_timeout = 30000")
 
 
-def _reason(error):
+def reason_of(error):
     """First line of an error of the database itself."""
     return str(getattr(error, "orig", None) or error).splitlines()[0]
 

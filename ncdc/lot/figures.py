@@ -40,7 +40,7 @@ class Figure:
         """``value`` with its unit; "-" for None."""
         if value is None:
             return "-"
-        return self._with_unit(f"{value:.{self.digits}f}")
+        return self._with_unit(f"{value:z.{self.digits}f}")
 
     def limit(self, value):
         """A limit as it was given, with its unit."""

@@ -60,7 +60,8 @@ def run_lot(database, workers, request, limits, station):
                     continue            # another station has it
                 if deaths >= _DEATHS:
                     yield from record(tag, Outcome(error=(
-                        f"the work on this unit ended its worker {deaths} times, at last alone")))
+                        f"the work on this unit ended its worker {deaths} times, at last alone: it "
+                        f"crashed, or took longer than --timeout")))
                 else:
                     workers.submit(tag, photos, request)
             if not len(workers):

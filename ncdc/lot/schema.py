@@ -15,6 +15,7 @@ from sqlalchemy import (
 )
 
 from ncdc.lot.figures import FIGURES
+from ncdc.lot.units import STATION_LENGTH
 
 __all__ = ["FILES", "FACTS", "METADATA", "SCHEMA", "TRIES", "UNITS"]
 
@@ -32,7 +33,7 @@ UNITS = Table(
     "units", METADATA,
     Column("serial", String(32), primary_key=True),
     Column("number", Integer, nullable=False, unique=True),     # position in the lot
-    Column("station", String(63), nullable=False),
+    Column("station", String(STATION_LENGTH), nullable=False),
     Column("photos", Text, nullable=False),                     # addresses, JSON
     Column("photo_hashes", Text),                               # SHA-256 each, JSON
     Column("verdict", String(4)),                               # pass, look, fail
@@ -53,7 +54,7 @@ TRIES = Table(
     "tries", METADATA,
     Column("serial", String(32), ForeignKey("units.serial"), primary_key=True),
     Column("number", Integer, primary_key=True),                # 1 is the first
-    Column("station", String(63), nullable=False),              # where the run was started
+    Column("station", String(STATION_LENGTH), nullable=False),      # where the run was started
     Column("started", DateTime, nullable=False),                # UTC
     Column("end", String(12)))      # judged, died (its worker), interrupted; NULL while it runs
 

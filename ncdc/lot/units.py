@@ -15,8 +15,9 @@ from ncdc_model.photo.names import may_be_photo, natural
 from ncdc_spec.eeprom import SERIAL_BYTES
 from ncdc_spec.errors import InputError
 
-__all__ = ["Unit", "find_units", "local_photos"]
+__all__ = ["STATION_LENGTH", "Unit", "find_units", "local_photos"]
 
+STATION_LENGTH = 63      # characters of a station's name
 _SERIAL = re.compile(r"[A-Za-z0-9][\w.+-]{0,%d}" % (SERIAL_BYTES - 1), re.ASCII)
 _COLUMNS = "unit", "photo", "station"
 
@@ -37,7 +38,8 @@ class Unit:
     Raises
     ------
     InputError
-        If the serial number has other characters, or more than fit an EEPROM.
+        If the serial number has other characters, or more than fit an EEPROM, or the station's
+        name is too long.
     """
     serial: str
     photos: tuple
@@ -47,6 +49,9 @@ class Unit:
         if not _SERIAL.fullmatch(self.serial):
             raise InputError(f"the unit {self.serial!r} has a serial number that is no name: up to "
                              f"{SERIAL_BYTES} letters, digits, _ . + - are needed")
+        if len(self.station) > STATION_LENGTH:
+            raise InputError(f"the unit {self.serial} has a station of {len(self.station)} "
+                             f"characters, the maximum is {STATION_LENGTH}")
 
 
 def find_units(source):

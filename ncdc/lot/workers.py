@@ -1,6 +1,8 @@
 """The workers of a lot: processes on this machine, or those of a Dask scheduler."""
 
 import logging
+import os
+import threading
 import uuid
 from concurrent.futures import CancelledError
 from contextlib import contextmanager
@@ -22,7 +24,7 @@ _LOCAL = {"distributed.scheduler.allowed-failures": 0,
 
 
 @contextmanager
-def connect(scheduler=None, count=None):
+def connect(scheduler=None, count=None, limit=3600.0):
     """Yield :class:`Workers`.
 
     Parameters
@@ -30,6 +32,8 @@ def connect(scheduler=None, count=None):
     scheduler : str, optional
         Address of a Dask scheduler, such as ``tcp://10.0.0.5:8786``. Without it ``count`` processes
         are started on this machine, as many as processors if that is None, and ended afterwards.
+    limit : float
+        Seconds after which the work on a unit ends its worker.
 
     Raises
     ------
@@ -43,7 +47,7 @@ def connect(scheduler=None, count=None):
         with (dask.config.set(_LOCAL),
               LocalCluster(n_workers=count, threads_per_worker=1, dashboard_address=None) as local,
               Client(local) as client):
-            yield Workers(client)
+            yield Workers(client, limit)
         return
     try:
         client = Client(scheduler, timeout=_TIMEOUT)
@@ -51,7 +55,7 @@ def connect(scheduler=None, count=None):
         raise InputError(f"no scheduler answers at {scheduler}") from error
     try:
         client.wait_for_workers(1, timeout=_TIMEOUT)
-        yield Workers(client)
+        yield Workers(client, limit)
     except TimeoutError as error:
         raise InputError(f"the scheduler at {scheduler} has no worker") from error
     finally:
@@ -61,8 +65,8 @@ def connect(scheduler=None, count=None):
 class Workers:
     """Units that are being worked on, at most one for each thread of a worker."""
 
-    def __init__(self, client):
-        self.client, self._running = client, {}
+    def __init__(self, client, limit):
+        self.client, self.limit, self._running = client, limit, {}
 
     def __len__(self):
         return len(self._running)
@@ -88,8 +92,8 @@ class Workers:
 
     def submit(self, tag, photos, request):
         """Start the work on a unit, which ``tag`` will name."""
-        future = self.client.submit(process, photos, request, key=f"unit-{uuid.uuid4().hex}",
-                                    pure=False)
+        future = self.client.submit(_limited, photos, request, self.limit,
+                                    key=f"unit-{uuid.uuid4().hex}", pure=False)
         self._running[future] = tag
 
     def finished(self):
@@ -112,6 +116,20 @@ class Workers:
                 raise SchedulerLost
             if done:
                 return [(self._running.pop(future), _result(future)) for future in done]
+
+
+def _limited(photos, request, seconds):
+    """The :class:`Outcome` of a unit; after ``seconds`` it ends the worker, as a crash does.
+
+    A thread that hangs cannot be ended alone.
+    """
+    alarm = threading.Timer(seconds, os._exit, (1,))
+    alarm.daemon = True
+    alarm.start()
+    try:
+        return process(photos, request)
+    finally:
+        alarm.cancel()
 
 
 def _result(future):

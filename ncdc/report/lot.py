@@ -55,7 +55,7 @@ def write_report(path, database, title):
         {"title": "Trend", "text": "Units in the order of judgement, each station in a colour. "
          "Dashed: control limits. Red: limits of the verdict.",
          "pictures": [embedded_plot(plot_trend, plots, *table["station"])]}]
-    outliers, worst = _outliers(database, table, far), _worst(database, table)
+    outliers, worst = _outliers(database, table, far, control), _worst(database, table)
     write_lot_page(path, title, _lead(database, counts, options), list(filter(None, sections)),
                    groups=[("Outliers", f"{int((far > 1).sum())} units have a figure outside its "
                             f"control limits; these are the farthest.", outliers),
@@ -129,9 +129,9 @@ def _far(table, control):
     return far
 
 
-def _outliers(database, table, far):
+def _outliers(database, table, far, control):
     order = np.argsort(-far, kind="stable")[:_SHOWN]
-    return [_card(database, table, k) for k in order if far[k] > 1]
+    return [_card(database, table, k, control) for k in order if far[k] > 1]
 
 
 def _worst(database, table):
@@ -140,15 +140,27 @@ def _worst(database, table):
     return [_card(database, table, k) for k in order if np.isfinite(error[k])]
 
 
-def _card(database, table, k):
-    """What the page shows of unit ``k`` of the table: its row, and its picture."""
+def _card(database, table, k, control=None):
+    """What the page shows of unit ``k`` of the table: its row, and its picture.
+
+    ``control``: control limits by figure; the text names the figures outside them.
+    """
     number, names = table["serial"]
     row = database.unit(names[number[k]])
     picture = database.picture(row["serial"])
     return {"serial": row["serial"], "verdict": row["verdict"],
-            "text": "; ".join(row["reasons"]) or _figures(row),
+            "text": "; ".join([*row["reasons"], *_outside(row, control)]) or _figures(row),
             "picture": "data:image/jpeg;base64," + base64.b64encode(picture).decode()
             if picture else ""}
+
+
+def _outside(row, control):
+    """Sentences on the figures outside their control limits."""
+    for figure in _JUDGED if control else ():
+        value, (low, _, high) = row[figure.name], control[figure.name]
+        if value is not None and low < high and not low <= value <= high:
+            yield (f"{figure.title} {figure.text(value)}, {figure.text(low)} to "
+                   f"{figure.text(high)} is usual")
 
 
 def _figures(row):

@@ -26,6 +26,8 @@ def plot_histograms(path, plots):
         for limit in _drawn(limits, low, high):
             one.axvline(limit, color="#b00020", linewidth=1.5)
         one.set(xlabel=_label(about), ylabel="units")
+        one.locator_params(axis="x", nbins=5)
+        one.yaxis.get_major_locator().set_params(integer=True)
     figure.savefig(path, dpi=110)
 
 
@@ -47,6 +49,7 @@ def plot_trend(path, plots, station, names):
         for limit in _drawn(limits, low, high):
             one.axhline(limit, color="#b00020", linewidth=1.5)
         one.set(xlabel="unit")
+        one.xaxis.get_major_locator().set_params(integer=True)
         one.set_title(_label(about), fontsize="medium")
     if len(names) > 1:
         axes[0].legend(fontsize="small")

@@ -56,7 +56,7 @@ def test_a_lot_is_exported(folder, capsys):
     text = (folder / "net.toml").read_text()
 
     def answer(serial, number):
-        one = outcome(max_error_px=.9 if serial == "U2" else .1)
+        one = outcome(neurons=3, max_error_px=.9 if serial == "U2" else .1)
         one.descriptor, one.warnings = text, ["noisy"] if serial == "U3" else []
         return one
     database = begun(folder, 3)
@@ -68,7 +68,9 @@ def test_a_lot_is_exported(folder, capsys):
     assert sorted(path.name for path in (folder / "all").iterdir()) == ["U1.bin", "U3.bin"]
     image = unpack((folder / "images" / "U1.bin").read_bytes())
     assert image.serial == "U1" and image.descriptor.hidden_neurons == 5
-    assert main("lot export . -o small --neurons 2".split()) == 2
+    for number in (2, 300):
+        assert main(f"lot export . -o small --neurons {number}".split()) == 2
+    assert not (folder / "small").exists()
 
 
 def test_a_lot_without_a_passing_unit_is_not_exported(folder, capsys):

@@ -15,7 +15,8 @@ import pytest
 from cameras import barrel_descriptor
 from lots import GOOD, Scripted, begun, driven, outcome
 from ncdc.cli import main
-from ncdc.lot.database import INTERRUPTED
+from ncdc.cli.lot_run import database_at
+from ncdc.lot.database import INTERRUPTED, Database
 from ncdc.lot.figures import FIGURES, LIMITS, judge
 from ncdc.lot.run import SchedulerLost
 from ncdc.lot.units import Unit, find_units, local_photos
@@ -80,6 +81,7 @@ def test_units_are_in_a_csv(photos, tmp_path):
     ("unit,photo\n", "has no unit"),
     ("unit,photo\na/b,a.png\n", "'a/b' has a serial number that is no name"),
     ("unit,photo\n" + "A" * 33 + ",a.png\n", "up to 32 letters"),
+    ("unit,photo,station\nA,a," + 64 * "S" + "\n", "a station of 64 characters"),
     ("unit,photo,station\nA,a,S1\nA,b,S2\n", "line 3 has the station 'S2' for the unit A"),
     ("\xff", "cannot read")])
 def test_a_bad_csv_is_rejected(tmp_path, text, message):
@@ -197,8 +199,36 @@ def test_a_verdict_never_changes(tmp_path):
     assert database.descriptor("U1") == "version = 1\n" and database.picture("U1") == b"jpeg"
 
 
+def test_a_unit_that_waits_gets_the_photos_that_it_has_now(tmp_path):
+    database = begun(tmp_path, 3, "mine")
+    options = json.loads(database.fact("request"))
+    number = database.start("U1", "mine")
+    database.save("U1", number, outcome(), ("pass", "", []), 0)
+    later = [Unit(f"U{k}", ("/later.png", "/more.png")) for k in range(1, 4)]
+    database.begin(options, later[:2], "mine")
+    database.begin(options, later, "other")
+    photos = [database.unit(f"U{k}")["photos"] for k in range(1, 4)]
+    assert photos == [["/photos/1.png"], ["/later.png", "/more.png"], ["/photos/3.png"]]
+
+
+def test_a_folder_of_a_lot_may_have_any_name(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    database_at("lot?a=1#%", create=True).close()
+    assert [path.name for path in tmp_path.rglob("*.db")] == ["lot.db"]
+    assert (tmp_path / "lot?a=1#%" / "lot.db").is_file()
+
+
+def test_a_password_is_not_shown():
+    with pytest.raises(InputError) as error:
+        Database("postgresql+psycopg://me:secret@127.0.0.1:1/lot")
+    assert "me:***@127.0.0.1" in str(error.value) and "secret" not in str(error.value)
+
+
 def test_other_options_are_rejected(tmp_path):
     database = begun(tmp_path)
+    with pytest.raises(InputError, match="begun with seed 0, this run has None"):
+        options = json.loads(database.fact("request"))
+        database.begin({name: options[name] for name in options if name != "seed"}, [], "bench")
     with pytest.raises(InputError, match="begun with seed 0, this run has 1"):
         database.begin(json.loads(database.fact("request")) | {"seed": 1}, [], "bench")
 
@@ -209,6 +239,9 @@ def test_other_options_are_rejected(tmp_path):
     ("units --min-coverage 101", "--min-coverage is 101 %, the maximum is 100"),
     ("units --min-focal 5 --max-focal 4", "--min-focal is 5 px, more than --max-focal"),
     ("units --workers 0", "--workers is 0, the minimum is 1"),
+    ("units --timeout 0", "--timeout is 0 s, the limits are 1 and 1000000"),
+    ("units --timeout nan", "--timeout is nan s"),
+    ("units --station " + 64 * "a", "--station has 64 characters, the limits are 1 and 63"),
     ("units --workers 1 --scheduler tcp://a:1", "the scheduler has its own"),
     ("units --target page", "target is 'page'"), ("units --neurons 40", "the limits are 1 and 32"),
     ("units --seed -1", "seed is -1"), ("units --zoom wide", "zoom is 'wide'"),
@@ -236,8 +269,8 @@ def test_the_same_command_goes_on_where_it_was(photos, monkeypatch, capsys):
         return outcome(max_error_px=.7 if serial == "empty" else .2)
 
     @contextmanager
-    def connect(scheduler, count):
-        assert (scheduler, count) == (None, 2)
+    def connect(scheduler, count, limit):
+        assert (scheduler, count, limit) == (None, 2, 3600)
         yield Scripted(answer, 1)
     monkeypatch.setattr("ncdc.lot.workers.connect", connect)
     for status, resumed in ((1, 0), (0, 2), (0, 3)):
@@ -261,7 +294,7 @@ def test_the_commands_of_the_guide_run(tmp_path, monkeypatch, capsys):
     schedulers = []
 
     @contextmanager
-    def connect(scheduler, count):
+    def connect(scheduler, count, limit):
         schedulers.append(scheduler)
         yield Scripted(lambda *tag: replace(
             outcome(), descriptor=(tmp_path / "net.toml").read_text()))

@@ -3,6 +3,7 @@
 import json
 import os
 import signal
+import threading
 
 import pytest
 
@@ -24,6 +25,23 @@ def photos(tmp_path):
     (folder / "1.png").unlink()
     (folder / "2.png").unlink()
     return [str(folder / "0.png")]
+
+
+def test_a_unit_that_hangs_ends_its_worker(photos):
+    with connect(count=1, limit=.5) as workers:
+        workers.client.run(_hang)
+        workers.submit("hangs", photos, REQUEST)
+        assert workers.finished() == [("hangs", None)]
+        workers.client.wait_for_workers(1)
+        workers.limit = 600
+        workers.submit("again", photos, REQUEST)
+        [(tag, again)] = workers.finished()
+    assert tag == "again" and again.digest
+
+
+def _hang():
+    import ncdc.lot.workers
+    ncdc.lot.workers.process = lambda photos, request: threading.Event().wait()
 
 
 def test_separate_processes_give_the_same_network_and_a_lost_scheduler_is_named(photos):

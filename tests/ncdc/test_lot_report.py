@@ -63,6 +63,7 @@ def test_a_page_has_yield_outliers_and_every_unit(here, capsys):
     low, middle, high = report["control_limits"]["focal_px"]
     assert 169 < low < 170.5 < middle < 171.5 < high < 173
     cards = re.search("<h2>Outliers</h2>(.*?)<h2>Worst ten", page, re.DOTALL)[1]
+    assert "focal length 190.0 px, 1" in cards and "px is usual" in cards
     assert "<b>U7</b>" in cards and "<b>U8</b>" in cards and "data:image/jpeg;base64" in cards
     assert re.search("<h2>Worst ten</h2>.*?<b>(U[0-9]+)</b>", page, re.DOTALL)[1] == "U8"
     for cause in ("no network", "largest error of the map", "warning"):
@@ -80,6 +81,27 @@ def test_control_limits_do_not_widen_for_bad_units():
     low, middle, high = control_limits(values)
     assert abs(middle - 5) < .1 and abs(low - 2) < .3 and abs(high - 8) < .4
     assert np.isnan(control_limits(np.array([np.nan]))).all()
+
+
+@pytest.mark.parametrize("arguments", [
+    "report march -o march/lot.db", "report march --parquet march/lot.db",
+    "show march U1 --json march/lot.db", "compare april march --json march/lot.db",
+    "export march --json march/lot.db"])
+def test_no_output_replaces_the_database(here, capsys, arguments):
+    before = (here / "march/lot.db").read_bytes()
+    assert main(["lot", *arguments.split()]) == 2
+    assert "march/lot.db would replace the input march/lot.db" in capsys.readouterr().err
+    assert (here / "march/lot.db").read_bytes() == before
+
+
+def test_a_damaged_database_is_one_sentence(here, lots, capsys):
+    content = bytearray((lots / "april/lot.db").read_bytes())
+    content[8192:] = bytes(len(content) - 8192)
+    (here / "damaged").mkdir()
+    (here / "damaged/lot.db").write_bytes(content)
+    assert main("lot show damaged U1".split()) == 2
+    said = capsys.readouterr().err
+    assert re.fullmatch("ncdc lot: .*database.* malformed\n", said), said
 
 
 def test_a_unit_is_shown_with_its_files(here, capsys):

@@ -6,8 +6,6 @@ from pathlib import Path
 from ncdc.cli.common import add_json, report_failures, write_report
 from ncdc.terminal import Progress
 from ncdc.text_table import text_table
-from ncdc_bench.lot.judgement import compared
-from ncdc_bench.lot.processes import KILLS, run_with_kills
 from ncdc_bench.lot.units import BAD, make_lot, write_photos
 from ncdc_spec.errors import InputError
 
@@ -39,6 +37,9 @@ def add_arguments(parser):
 
 def run(args):
     """Write photos, run the lot, compare; 1 if a bad unit passes, or one is lost or repeated."""
+    from ncdc_bench.lot.judgement import compared  # SQLAlchemy takes half a second
+    from ncdc_bench.lot.processes import KILLS, run_with_kills
+
     if not 0 <= args.bad <= args.units or args.units < 1 or args.workers < 1:
         raise InputError(f"{args.units} units, {args.bad} bad ones and {args.workers} workers are "
                          f"asked for; 1 unit and worker or more are needed, and no more bad ones "
