@@ -149,4 +149,6 @@ def _finite(value):
     """``value`` with numbers that JSON does not know as null."""
     if isinstance(value, dict):
         return {key: _finite(item) for key, item in value.items()}
+    if isinstance(value, list):
+        return [_finite(item) for item in value]
     return None if isinstance(value, float) and not math.isfinite(value) else value

@@ -120,7 +120,11 @@ def _of_csv(address, rest):
             raise InputError(f"{address}: line {number} has the station {station!r} for the unit "
                              f"{unit}, an earlier one {stations[unit]!r}")
         whole = "://" in photo or os.path.isabs(photo)
-        photos.setdefault(unit, []).append(photo if whole else _joined(folder, photo) + rest)
+        photo = photo if whole else _joined(folder, photo) + rest
+        if photo in photos.setdefault(unit, []):
+            raise InputError(f"{address}: line {number} has a photo of the unit {unit} again, "
+                             f"{photo}")
+        photos[unit].append(photo)
     return [Unit(serial, tuple(names), stations[serial]) for serial, names in photos.items()]
 
 

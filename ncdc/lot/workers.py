@@ -45,7 +45,8 @@ def connect(scheduler=None, count=None, limit=3600.0):
             logging.getLogger(name).setLevel(logging.CRITICAL)      # the lot says what happened
     if scheduler is None:
         with (dask.config.set(_LOCAL),
-              LocalCluster(n_workers=count, threads_per_worker=1, dashboard_address=None) as local,
+              LocalCluster(n_workers=count, threads_per_worker=1, dashboard_address=None,
+                           silence_logs=logging.CRITICAL) as local,
               Client(local) as client):
             yield Workers(client, limit)
         return

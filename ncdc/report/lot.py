@@ -57,8 +57,8 @@ def write_report(path, database, title):
          "pictures": [embedded_plot(plot_trend, plots, *table["station"])]}]
     outliers, worst = _outliers(database, table, far, control), _worst(database, table)
     write_lot_page(path, title, _lead(database, counts, options), list(filter(None, sections)),
-                   groups=[("Outliers", f"{int((far > 1).sum())} units have a figure outside its "
-                            f"control limits; these are the farthest.", outliers),
+                   groups=[("Outliers", f"Units with a figure outside its control limits: "
+                            f"{int((far > 1).sum())}. These are the farthest.", outliers),
                            ("Worst ten", "The largest errors of the map.", worst)],
                    columns=["unit", "verdict", "cause", "station", "judged (UTC)",
                             *(f"{figure.title}, {figure.unit}".rstrip(", ") for figure in FIGURES)],

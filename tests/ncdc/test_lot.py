@@ -78,6 +78,7 @@ def test_units_are_in_a_csv(photos, tmp_path):
     ("serial,photo\nA,a.png\n", "has the columns serial, photo; unit, photo and"),
     ("unit,photo\nA,\n", "line 2 lacks a unit or a photo"),
     ("unit,photo\nA,a,b\n", "line 2 .* more cells than the first line"),
+    ("unit,photo\nA,a.png\nB,a.png\nA,a.png\n", "line 4 has a photo of the unit A again, .*/a.png"),
     ("unit,photo\n", "has no unit"),
     ("unit,photo\na/b,a.png\n", "'a/b' has a serial number that is no name"),
     ("unit,photo\n" + "A" * 33 + ",a.png\n", "up to 32 letters"),

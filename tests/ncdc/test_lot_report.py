@@ -2,8 +2,10 @@
 
 import json
 import re
+import sqlite3
 import subprocess
 import sys
+from contextlib import closing
 
 import numpy as np
 import pytest
@@ -96,12 +98,16 @@ def test_no_output_replaces_the_database(here, capsys, arguments):
 
 def test_a_damaged_database_is_one_sentence(here, lots, capsys):
     content = bytearray((lots / "april/lot.db").read_bytes())
-    content[8192:] = bytes(len(content) - 8192)
+    with closing(sqlite3.connect(lots / "april/lot.db")) as opened:
+        [size] = opened.execute("PRAGMA page_size").fetchone()
+        [page] = opened.execute("SELECT rootpage FROM sqlite_master "
+                                "WHERE name = 'units'").fetchone()
+    content[(page - 1) * size:page * size] = bytes(size)
     (here / "damaged").mkdir()
     (here / "damaged/lot.db").write_bytes(content)
     assert main("lot show damaged U1".split()) == 2
     said = capsys.readouterr().err
-    assert re.fullmatch("ncdc lot: .*database.* malformed\n", said), said
+    assert said == "ncdc lot: the database failed: database disk image is malformed\n"
 
 
 def test_a_unit_is_shown_with_its_files(here, capsys):
@@ -157,6 +163,16 @@ def test_a_report_of_100000_units_is_bounded(tmp_path):
     kilobytes, seconds = map(float, done.stdout.split()[-2:])
     print(f"{kilobytes / 1024:.0f} MB, {seconds:.1f} s")
     assert kilobytes < 400 * 1024 and seconds < 60
+
+
+def test_a_lot_without_a_network_has_a_report(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    database = begun(tmp_path, 2)
+    driven(database, lambda *tag: Outcome(error="no photo shows the target"))
+    database.close()
+    assert main(["lot", "report", ".", "--json", "-"]) == 0
+    report = json.loads(capsys.readouterr().out, parse_constant=pytest.fail)
+    assert report["fail"] == 2 and report["control_limits"]["focal_px"] == [None, None, None]
 
 
 def test_a_lot_without_a_verdict_has_no_report(tmp_path, monkeypatch, capsys):
