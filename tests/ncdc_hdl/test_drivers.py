@@ -278,7 +278,8 @@ except CorrectorError as error:
 
 
 def test_the_python_driver_writes_a_view(tmp_path):
-    lens = replace(barrel_descriptor((40, 16), (44, 18), hidden_neurons=3), nodes=8)
+    lens = replace(barrel_descriptor((160, 32), (168, 36), hidden_neurons=3, strength=.02),
+                   nodes=8)
     made = Corrector(lens, Hardware(view=True))
     for name, text in driver_files(made, [("wide.toml", lens)]).items():
         (tmp_path / name).write_text(text)
