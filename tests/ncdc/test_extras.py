@@ -84,6 +84,12 @@ def test_the_others_need_no_extra(tmp_path):
         assert not done.returncode and command in done.stdout, done.stderr
 
 
+@pytest.mark.longer
+def test_a_bench_needs_no_package_of_another_one(tmp_path):
+    done = run(tmp_path, packages_of("lot"), "bench", "tansig", "--help")
+    assert not done.returncode and "tansig" in done.stdout, done.stderr
+
+
 def test_completion_knows_the_names_of_all_commands(tmp_path):
     done = run(tmp_path, MODULES, "completion", "bash")
     assert not done.returncode and all(name in done.stdout for name in COMMANDS), done.stderr
