@@ -5,7 +5,7 @@ import os
 import threading
 import uuid
 from concurrent.futures import CancelledError
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 
 import dask
 from distributed import Client, KilledWorker, LocalCluster, wait
@@ -60,7 +60,8 @@ def connect(scheduler=None, count=None, limit=3600.0):
     except TimeoutError as error:
         raise InputError(f"the scheduler at {scheduler} has no worker") from error
     finally:
-        client.close(timeout=_CHECK)
+        with suppress(TimeoutError):    # a scheduler that is gone does not answer
+            client.close(timeout=_CHECK)
 
 
 class Workers:

@@ -1,6 +1,7 @@
 """``ncdc calibrate --live`` and ``camera:0``: films, and cameras of the PC that OpenCV has."""
 
 import json
+import time
 
 import cv2
 import numpy as np
@@ -23,11 +24,12 @@ POSES = HAND_PICKED[:3]
 class Capture:
     """What ``cv2.VideoCapture`` is to the program: a camera with ``frames`` (h, w, 3), BGR.
 
-    ``stored`` of them wait in the driver; after the last one Ctrl-C is pressed, or none comes.
+    After the last one Ctrl-C is pressed, or none comes. If it is ``paced``, they come at ``rate``.
     """
 
-    def __init__(self, frames, interrupted=False, rate=25.0):
+    def __init__(self, frames, interrupted=False, rate=25.0, paced=False):
         self.frames, self.interrupted, self.rate = list(frames), interrupted, rate
+        self.paced = paced
         self.taken, self.released = -1, False
 
     def __call__(self, number):
@@ -46,6 +48,8 @@ class Capture:
             if self.interrupted:
                 raise KeyboardInterrupt
             return False
+        if self.paced:
+            time.sleep(1 / self.rate)
         self.taken += 1
         return True
 
@@ -191,7 +195,7 @@ def test_a_camera_that_is_unplugged(camera, tmp_path, monkeypatch, capsys):
     """Its picture is calibrated all the same."""
     monkeypatch.chdir(tmp_path)
     picture = Hand().photo(POSES[0]).image[:, :, ::-1]
-    camera([picture] * 60)
+    camera([picture] * 60, paced=True)
     assert main(["calibrate", "--live", "camera:0", "--target", "chessboard:9x6"]) == 0
     out, err = capsys.readouterr()
     assert "54 points (chessboard, 9 columns x 6 rows) in 1 of 1 photos" in out

@@ -68,6 +68,7 @@ def test_separate_processes_give_the_same_network_and_a_lost_scheduler_is_named(
     assert first.photo_hashes == second.photo_hashes and first.figures == second.figures
 
 
+@pytest.mark.regress
 @pytest.mark.timeout(3600)
 def test_a_lot_of_bad_units_that_is_killed_three_times(tmp_path, capsys):
     """Each way to be bad once, and four good units."""

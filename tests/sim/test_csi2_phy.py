@@ -6,6 +6,8 @@ import pytest
 
 from ncdc_sim.csi2.phy import HEIGHT, run_phy, sent_row
 
+regress = pytest.mark.regress
+
 FRAMES = 100
 
 
@@ -23,9 +25,13 @@ def check(run, least):
 
 @pytest.mark.longer
 @pytest.mark.parametrize("wires", [
-    {}, {"csi2_skew_ps0": 300, "csi2_skew_ps1": 900, "csi2_jitter_ps": 200},
-    {"csi2_skew_ps0": 1100},                # the edges of the bits on those of the clock
-    {"csi2_skew_ps0": 2000, "csi2_skew_ps1": 1600, "csi2_jitter_ps": 250}])
+    pytest.param({}, marks=regress),
+    pytest.param({"csi2_skew_ps0": 300, "csi2_skew_ps1": 900, "csi2_jitter_ps": 200},
+                 marks=regress),
+    # The edges of the bits on those of the clock.
+    {"csi2_skew_ps0": 1100},
+    pytest.param({"csi2_skew_ps0": 2000, "csi2_skew_ps1": 1600, "csi2_jitter_ps": 250},
+                 marks=regress)])
 def test_each_lane_finds_its_eye(wires):
     """Of 2193 ps of a bit, 640 must be stable: steps of 200 ps find some 7 of them, or the part
     that their range covers. One more may pass at random. The first search succeeds."""
@@ -35,7 +41,7 @@ def test_each_lane_finds_its_eye(wires):
     assert all(4 <= run.results[f"width{k}"] <= 9 for k in range(2))
 
 
-@pytest.mark.longer
+@regress
 def test_a_clock_that_starts_late():
     check(run_phy(FRAMES, csi2_clock_us=150), FRAMES // 2)
 
