@@ -90,11 +90,11 @@ def device_row(interpolation=DEFAULT):
     """
     descriptor = lens_of(_DEVICE, interpolation)
     scene, correction = MovingScene(descriptor), Correction(descriptor)
-    settings = Settings(View(BGR8, 0, 0, *_DEVICE), 0, 1, 8, 0, 1)
+    settings = Settings(View(BGR8, 0, 0, *_DEVICE), 0, 1, 8, "Off", 1)
     light, seeds = scene.raw(0), iter(range(_FRAMES + 1))
 
     def frame():
-        raw = expose(light, Exposure(1, 1, 0, 1.0), descriptor.geometry.bayer, next(seeds))
+        raw = expose(light, Exposure(1, 1, "Off", 1.0), descriptor.geometry.bayer, next(seeds))
         return picture_of(raw, settings, correction)
     data = frame().data
     milliseconds, sending = _milliseconds(frame, _FRAMES), _sending_milliseconds(data)
