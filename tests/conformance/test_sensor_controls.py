@@ -182,7 +182,7 @@ def test_a_register_takes_no_more_than_its_bits(name, one):
 
 
 def test_mirrors_and_window(name):
-    """Of the emulated device: bits beside the mirrors stay, and the window moves on the sensor."""
+    """Of the emulated device: the mirrors keep other bits, and the window moves on the sensor."""
     one = Emulated(name)
     one.client.control()
     try:

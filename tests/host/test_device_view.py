@@ -118,6 +118,8 @@ def test_clients_set_a_view(scheme):
         try:
             opened = open_device(f"{scheme}://{one.options.address}")
         except DeviceError as error:
+            if scheme != "aravis":      # only Aravis may be absent
+                raise
             pytest.skip(str(error))
         with opened as client:
             assert client.info("ViewFocal").value == pytest.approx(41.26)

@@ -5,7 +5,16 @@ import pytest
 from amaranth import *
 
 from cameras import barrel_descriptor
-from front_end import FrontEnd, expected, extreme, fields, frames, load, prepare
+from front_end import (
+    FrontEnd,
+    aborted_frame,
+    expected,
+    extreme,
+    fields,
+    frames,
+    load,
+    prepare,
+)
 from ncdc_hdl.frontend.backmap import BackMap
 from ncdc_hdl.frontend.scan import Scan
 from ncdc_hdl.frontend.valid import ValidTable
@@ -58,21 +67,7 @@ def test_abort_at_any_moment(hidden, share, seed):
         await prepare(ctx, backmap, d)
         load(ctx, backmap, d, strip)
         for moment in (int(rng.integers(1, 500)), int(rng.integers(1, 60)), None):
-            frame, clock = [], 0
-            ctx.set(backmap.start, 1)
-            await ctx.tick()
-            ctx.set(backmap.start, 0)
-            while not (frame and frame[-1][4]):
-                ctx.set(backmap.abort, moment is not None and clock >= moment)
-                ready = rng.random() < .5
-                ctx.set(backmap.o.ready, ready)
-                _, _, valid, c = await ctx.tick().sample(backmap.o.valid, backmap.o.payload)
-                if valid and ready:
-                    frame.append([c.x, c.y, c.blank, c.first, c.last])
-                clock += 1
-                assert clock < 20000, "the frame does not end"
-            ctx.set(backmap.abort, 0)
-            results.append((np.array(frame), ctx.get(backmap.cut)))
+            results.append(await aborted_frame(ctx, backmap, rng, moment, .5))
 
     run_bench(dut, bench)
     whole = expected(d, strip)

@@ -7,7 +7,17 @@ import pytest
 
 from banks import write_bank, write_word
 from cameras import barrel_descriptor
-from front_end import FrontEnd, expected, extreme, fields, frames, load, prepare, words_of
+from front_end import (
+    FrontEnd,
+    aborted_frame,
+    expected,
+    extreme,
+    fields,
+    frames,
+    load,
+    prepare,
+    words_of,
+)
 from pipelines import get, run_bench
 
 
@@ -54,24 +64,11 @@ def test_abort_at_any_moment(nodes, lanes, strip, seed):
         await prepare(ctx, backmap, d)
         for number, moment in enumerate(moments):
             load(ctx, backmap, (d, other)[number % 2], strip)
-            frame, clock = [], 0
             words = words_of((other, d)[number % 2])    # of the next frame, while this one runs
-            ctx.set(backmap.start, 1)
-            await ctx.tick()
-            ctx.set(backmap.start, 0)
-            while not (frame and frame[-1][4]):
-                write_word(ctx, backmap.writes, words)
-                ctx.set(backmap.abort, moment is not None and clock >= moment)
-                ready = rng.random() < .8
-                ctx.set(backmap.o.ready, ready)
-                _, _, valid, c = await ctx.tick().sample(backmap.o.valid, backmap.o.payload)
-                if valid and ready:
-                    frame.extend(fields([c]).tolist())
-                clock += 1
-                assert clock < 20000, "the frame does not end"
-            ctx.set(backmap.abort, 0)
+            results.append(await aborted_frame(
+                ctx, backmap, rng, moment, .8,
+                lambda words=words: write_word(ctx, backmap.writes, words)))
             await write_bank(ctx, backmap.writes, words)    # what a short frame leaves
-            results.append((np.array(frame), ctx.get(backmap.cut)))
 
     run_bench(dut, bench)
     cuts = 0

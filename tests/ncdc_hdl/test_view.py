@@ -8,7 +8,16 @@ from amaranth import *
 
 from banks import write_bank
 from cameras import barrel_descriptor
-from front_end import FrontEnd, expected, extreme, fields, frames, load, prepare, words_of
+from front_end import (
+    FrontEnd,
+    aborted_frame,
+    expected,
+    extreme,
+    frames,
+    load,
+    prepare,
+    words_of,
+)
 from ncdc_hdl.frontend.node_scan import NodeScan
 from ncdc_hdl.frontend.view_transform import ViewTransform
 from ncdc_model.golden.view import homogeneous, node_positions
@@ -169,21 +178,7 @@ def test_abort_at_any_moment(lanes, strip):
         for view, moment in zip(cases, moments):
             load(ctx, backmap, d, strip, view)
             await write_bank(ctx, backmap.writes, words_of(d))
-            frame, clock = [], 0
-            ctx.set(backmap.start, 1)
-            await ctx.tick()
-            ctx.set(backmap.start, 0)
-            while not (frame and frame[-1][4]):
-                ctx.set(backmap.abort, moment is not None and clock >= moment)
-                ready = rng.random() < .8
-                ctx.set(backmap.o.ready, ready)
-                _, _, valid, c = await ctx.tick().sample(backmap.o.valid, backmap.o.payload)
-                if valid and ready:
-                    frame.extend(fields([c]).tolist())
-                clock += 1
-                assert clock < 20000, "the frame does not end"
-            ctx.set(backmap.abort, 0)
-            results.append((np.array(frame), ctx.get(backmap.cut)))
+            results.append(await aborted_frame(ctx, backmap, rng, moment, .8))
 
     run_bench(dut, bench)
     cuts = 0

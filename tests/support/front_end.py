@@ -19,7 +19,8 @@ from ncdc_spec.geometry import scan_order
 from ncdc_spec.hardware import Hardware
 from pipelines import get, run_bench
 
-__all__ = ["FrontEnd", "expected", "extreme", "fields", "frames", "load", "prepare", "words_of"]
+__all__ = ["FrontEnd", "aborted_frame", "expected", "extreme", "fields", "frames", "load",
+           "prepare", "words_of"]
 
 
 class FrontEnd(Elaboratable):
@@ -95,6 +96,30 @@ def expected(d, strip=0, lanes=1, view=None):
 def fields(items):
     return np.array([[c.x, c.y, c.blank, item.first, item.last]
                      for item in items for c in lanes_of(item)])
+
+
+async def aborted_frame(ctx, backmap, rng, moment, taken, each_clock=lambda: None):
+    """(fields, whether it is cut) of a frame that ``abort`` ends.
+
+    ``moment``: clocks from its start to the abort, None for a whole frame; ``taken``: part of the
+    clocks in which the output is taken; ``each_clock()`` is called before each clock.
+    """
+    frame, clock = [], 0
+    ctx.set(backmap.start, 1)
+    await ctx.tick()
+    ctx.set(backmap.start, 0)
+    while not (frame and frame[-1][4]):
+        each_clock()
+        ctx.set(backmap.abort, moment is not None and clock >= moment)
+        ready = rng.random() < taken
+        ctx.set(backmap.o.ready, ready)
+        _, _, valid, c = await ctx.tick().sample(backmap.o.valid, backmap.o.payload)
+        if valid and ready:
+            frame.extend(fields([c]).tolist())
+        clock += 1
+        assert clock < 20000, "the frame does not end"
+    ctx.set(backmap.abort, 0)
+    return np.array(frame), ctx.get(backmap.cut)
 
 
 def frames(dut, descriptors, stall, seed=5, strip=0, views=()):
