@@ -46,7 +46,9 @@ def test_a_design_has_what_commands_read(name):
 
 
 @pytest.mark.longer
-@pytest.mark.parametrize("name", ["de0-cv", "de10-nano", "faka2", "ulx3s"])     # one of each class
+@pytest.mark.parametrize("name", [      # one of each class
+    "ulx3s", *(pytest.param(name, marks=pytest.mark.regress)
+               for name in ("de0-cv", "de10-nano", "faka2"))])
 def test_files_carry_the_board_s_name(name):
     found = board(name)
     lens = barrel_descriptor((64, 48), (64, 48), hidden_neurons=2)

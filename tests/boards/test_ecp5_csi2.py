@@ -84,7 +84,8 @@ def test_a_long_exposure_is_slower():
 
 @pytest.mark.longer
 @pytest.mark.parametrize("on,sites,other", [
-    (ULX3S, ("G3", "F4", "H4"), "E3"), (I9, ("J20", "L18", "U18"), "M18")],
+    (ULX3S, ("G3", "F4", "H4"), "E3"),
+    pytest.param(I9, ("J20", "L18", "U18"), "M18", marks=pytest.mark.regress)],
     ids=["ulx3s", "colorlight-i9"])
 def test_preferences_of_the_pins(on, sites, other):
     text = next(text for name, text in prepared(designed("imx219", on)).items()

@@ -66,7 +66,8 @@ def test_processes_write_identical_bytes(folder):
 
 
 @pytest.mark.longer
-@pytest.mark.parametrize("data_width,to", [(32, "memory"), (64, "memory"), (128, "stream")])
+@pytest.mark.parametrize("data_width,to", [
+    (32, "memory"), pytest.param(64, "memory", marks=pytest.mark.regress), (128, "stream")])
 def test_compilers_accept_the_verilog(folder, tmp_path, data_width, to):
     verilog, _ = generate(folder, tmp_path / "out", data_width=data_width, to=to)
     for simulator, options in CHECKS:

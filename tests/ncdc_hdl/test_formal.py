@@ -321,7 +321,6 @@ PLANTED = {
     "a frame that is begun anew": (lambda: Store(kind=ForgottenReader), 14, "unchanged0"),
     "a burst that another breaks into": (lambda: Arbiter(kind=Impatient), 10, "burst_is_one1"),
     "samples lost without a word": (lambda: Pins(kind=Forgetful), 35, "nothing_lost"),
-    "samples lost, two per clock": (lambda: Samples(2, ForgetfulPort), 26, "nothing_lost"),
     "samples lost, four per clock": (lambda: Samples(4, ForgetfulPort), 24, "nothing_lost"),
     "credit too many": (lambda: Credits(credit_error=1), 16, "no_overflow"),
     "credits' queue too small": (lambda: planted(Credits(), entries_missing=1), 16, "no_overflow"),
@@ -329,12 +328,13 @@ PLANTED = {
     "fills' queues too small": (lambda: planted(FillSpace(128, 3), entries_missing=1), 20,
                                 "no_overflow"),
     "slot too early": (lambda: FillOrder(kind=SlotEarly), 24, "slot"),
-    "token not spent": (lambda: Progress(retire=TokenNotSpent), 26, "something_happens"),
-    "frames mixed": (lambda: Slots(tags=FramesMixed), 20, "own_tile"),
-    "no interlock, claimed twice": (lambda: Slots(tags=NoInterlock), 20, "filled_once"),
 }
 
 LONG_PLANTED = {
+    "samples lost, two per clock": (lambda: Samples(2, ForgetfulPort), 26, "nothing_lost"),
+    "no interlock, claimed twice": (lambda: Slots(tags=NoInterlock), 20, "filled_once"),
+    "frames mixed": (lambda: Slots(tags=FramesMixed), 20, "own_tile"),
+    "token not spent": (lambda: Progress(retire=TokenNotSpent), 26, "something_happens"),
     "ACTIVE too early": (lambda: SdramCommands(banks=sooner(rp=1)), 30, "rp0"),
     "DQ turned too early": (lambda: SdramCommands(banks=sooner(read_write=1)), 24, "turn"),
     "refresh that waits": (lambda: SdramCommands(kind=RefreshLast, period=16), 52,
@@ -351,9 +351,8 @@ LONGER_PLANTED = {
     "a word of another row", "READ too early", "burst that the memory forgot",
     "a word after the buffer", "a word before the buffer", "a read after the buffer",
     "word dropped under waitrequest", "reset forgets the burst", "a buffer too few",
-    "samples lost without a word", "samples lost, two per clock", "samples lost, four per clock",
-    "tile too many", "fills' queues too small", "slot too early",
-    "token not spent", "frames mixed", "no interlock, claimed twice"}
+    "samples lost without a word", "samples lost, four per clock",
+    "tile too many", "fills' queues too small", "slot too early"}
 
 
 def long_cases(rows):

@@ -62,8 +62,9 @@ def test_verilator_finds_only_what_is_waived(verilog):
 
 
 @pytest.mark.longer
-@pytest.mark.parametrize("camera", [("parallel",), ("axis", 2, 10), ("avalon-st", 1, 16),
-                                    ("avalon-st:vip", 4, 8), ("csi2:2",)])
+@pytest.mark.parametrize("camera", [
+    ("csi2:2",), *(pytest.param(camera, marks=pytest.mark.regress) for camera in (
+        ("parallel",), ("axis", 2, 10), ("avalon-st", 1, 16), ("avalon-st:vip", 4, 8)))])
 def test_verilator_finds_only_what_is_waived_of_a_system(camera, tmp_path):
     verilog = tmp_path / f"{SYSTEM}.v"
     verilog.write_text(system_verilog(System(barrel_descriptor(), camera=camera_port(*camera))))
@@ -71,7 +72,7 @@ def test_verilator_finds_only_what_is_waived_of_a_system(camera, tmp_path):
     assert lint(verilog, "waivers.vlt") == (0, set())
 
 
-@pytest.mark.longer
+@pytest.mark.regress
 def test_verilator_finds_only_what_is_waived_of_a_system_with_a_grid_stage(tmp_path):
     verilog = tmp_path / f"{SYSTEM}.v"
     verilog.write_text(system_verilog(System(barrel_descriptor(), grid=1296)))

@@ -101,7 +101,7 @@ def test_the_screen_shows_the_frames_of_a_csi2_sensor():
     assert None not in numbers[first:] and len(set(numbers[first:])) >= 3
 
 
-@pytest.mark.longer
+@pytest.mark.regress
 def test_a_board_without_a_camera_shows_the_test_card():
     """The bench has no sensor, and the top no pins for one; buttons are as with a camera."""
     bench = PatternBench("ulx3s", SMALL, (WIDTH, HEIGHT), rate=1000)

@@ -146,7 +146,7 @@ def test_bounds_hold(memory, data_width, output, lanes, line):
     assert bound.clocks - .02 * simulation.counters["CLOCKS"] < latency <= bound.clocks
 
 
-@pytest.mark.longer
+@pytest.mark.regress
 def test_the_command_fails_when_the_bound_is_exceeded(small, tmp_path, monkeypatch, capsys):
     small.save(tmp_path / "net.toml")
     write_image(tmp_path / "raw.png", noise(small.geometry))

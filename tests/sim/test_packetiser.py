@@ -28,7 +28,7 @@ def run(data_width=32, simulator="icarus", packetiser=Packetiser, **given):
 
 
 @pytest.mark.parametrize("data_width,simulator,given", [
-    (32, "icarus", {"stall": 0, "wait": 0, "latency": [1, 1]}),
+    pytest.param(32, "icarus", {"stall": 0, "wait": 0, "latency": [1, 1]}, marks=regress),
     (64, "icarus", {}),
     (128, "verilator", {"seed": 2, "stall": 0.6}),
     *(pytest.param(width, "verilator", {"seed": seed, "frames": 60, "stall": stall,

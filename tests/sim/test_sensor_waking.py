@@ -88,9 +88,8 @@ def rest_us(name):
     return float(sensor_named(name).waking.rest_at(CLOCK_HZ))
 
 
-@pytest.mark.longer
-@pytest.mark.parametrize("name", [
-    "mt9p031", pytest.param("mt9d111", marks=pytest.mark.regress)])
+@pytest.mark.regress
+@pytest.mark.parametrize("name", ["mt9p031", "mt9d111"])
 def test_it_answers_from_its_time_on_and_not_before(bench, name):
     """True times; between the two questions is less than a hundredth of the rest. Not of the
     OV5640, whose 65,536 registers are reset in every clock of a reset: that takes minutes."""

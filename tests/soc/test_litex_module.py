@@ -93,7 +93,8 @@ def two(folder, name):
 
 
 @pytest.mark.longer
-@pytest.mark.parametrize("name,second", [(None, "ncdc1"), ("right", "right")])
+@pytest.mark.parametrize("name,second", [
+    pytest.param(None, "ncdc1", marks=pytest.mark.regress), ("right", "right")])
 def test_two_correctors_are_two_modules(tmp_path, name, second):
     text, files = two(tmp_path, name)
     assert list(files) == ["ncdc.v", f"{second}.v"]
