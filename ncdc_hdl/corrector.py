@@ -129,7 +129,7 @@ class Corrector(wiring.Component):
         self.interpolator = Interpolator(f_bits, lanes, needs, hardware.colour,
                                          self.fetch.window_latency)
         rows = registers(descriptor.hidden_neurons, formats, descriptor.nodes, hardware.colour,
-                         hardware.raw_balance, hardware.view)
+                         hardware.raw_balance, hardware.view, hardware.views)
         self.registers = Registers(
             rows, host_values(descriptor, self.hardware), digest=int(descriptor.digest[:8], 16),
             hidden_neurons=descriptor.hidden_neurons, nodes=descriptor.nodes,
@@ -224,7 +224,8 @@ class Corrector(wiring.Component):
         m.d.comb += self.fetch.memory_rst.eq(self.memory_rst)
         pixels = self.interpolator.o
         if not self.hardware.stream:
-            m.submodules.packer = packer = Packer(self.hardware.data_width, self.hardware.lanes)
+            m.submodules.packer = packer = Packer(
+                self.hardware.data_width, self.hardware.lanes, self.hardware.views > 0)
             m.submodules.writer = writer = self.writer
             wiring.connect(m, pixels, packer.i)
             wiring.connect(m, packer.o, writer.i)
@@ -239,6 +240,9 @@ class Corrector(wiring.Component):
                 packer.order.height.eq(active.CORRECTED_HEIGHT),
                 packer.order.strip.eq(active.STRIP_WIDTH), registers.ended.eq(writer.done),
             ]
+            if self.hardware.views:
+                m.d.sync += packer.origin.eq(active.TARGET_BASE + active.TARGET_OFFSET)
+                m.d.comb += packer.pitch.eq(active.TARGET_PITCH)
         else:
             self._stream(m, active, pixels)
             m.d.comb += registers.ended.eq(pixels.valid & pixels.ready & pixels.p.last)
@@ -299,9 +303,11 @@ class Corrector(wiring.Component):
                 active.TARGET_BASE.eq(run.buffers.target),
                 active.TARGET_LIMIT.eq(run.buffers.target_limit),
             ]
+        over, lacks = ((registers.over, registers.lacks) if self.hardware.views else
+                       (registers.ended, registers.cut))
         m.d.comb += [
             registers.running.eq(run.active), registers.start.eq(run.start),
-            run.idle.eq(registers.idle), run.over.eq(registers.ended), run.cut.eq(registers.cut),
+            run.idle.eq(registers.idle), run.over.eq(over), run.cut.eq(lacks),
             run.fault.eq(registers.faults.as_value().any()),
             self.bayer_phase.eq(active.BAYER_PHASE),
         ]
@@ -397,13 +403,16 @@ class Corrector(wiring.Component):
             stalls = self.fetch.stalls
             events |= {"INTERLOCK_STALLS": stalls.interlock, "CREDIT_STALLS": stalls.credit,
                        "PENDING_STALLS": stalls.pending}
+        # With a list of views they count on from view to view.
+        first, over = ((begun & self.registers.first, self.registers.over) if self.hardware.views
+                       else (begun, self.registers.ended))
         with m.If(begun):
             m.d.sync += running.eq(1)
-        with m.Elif(self.registers.ended):
+        with m.Elif(over):
             m.d.sync += running.eq(0)
         # Counted a clock late, so that long sums begin at registers. Those of a frame's last clock
         # are valid two clocks after its end, when the registers copy them.
-        anew = register(m, "count_anew", begun, reset_less=False)
+        anew = register(m, "count_anew", first, reset_less=False)
         for name, value in values.items():
             m.d.comb += counters[name].eq(value)
             if name in events:

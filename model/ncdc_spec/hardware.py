@@ -9,6 +9,7 @@ from ncdc_spec.geometry import check_strip_width
 from ncdc_spec.interpolation import FAST
 from ncdc_spec.nodes import NODES, nodes_fit, row_nodes
 from ncdc_spec.view import check_view_nodes
+from ncdc_spec.view_list import MAX_VIEWS
 
 __all__ = ["BUSES", "DATA_WIDTHS", "FETCHERS", "FORMATS", "HIDDEN", "LANES", "MULTIPLIER_BITS",
            "OUTPUTS", "VIDEOS", "Hardware", "check_lanes"]
@@ -68,6 +69,9 @@ class Hardware:
     view : bool
         Whether there are registers for the matrix of a :class:`~ncdc_spec.view.View`, which after
         configuration changes no pixel. The network must be at nodes.
+    views : int
+        Most views of one raw frame that a start makes, 2 to 8, for hardware with a ``view`` and
+        pixels in memory; 0: no list of views.
     format : str
         Name of the ``OutputFormat`` of pixels in memory, after configuration.
     bus : str
@@ -80,8 +84,9 @@ class Hardware:
     ------
     InputError
         If a value is none of the above, strips or a format are asked of a stream, the multiport
-        fetcher is to give more than one pixel per clock or gains of raw samples, or packets of
-        Intel's suite are asked of anything but a stream of Avalon's with one pixel per clock.
+        fetcher is to give more than one pixel per clock or gains of raw samples, packets of
+        Intel's suite are asked of anything but a stream of Avalon's with one pixel per clock, or
+        several views of hardware without a view, or of a stream.
     """
     data_width: int = 32
     output: str = "memory"
@@ -96,6 +101,7 @@ class Hardware:
     colour: bool = False
     raw_balance: bool = False
     view: bool = False
+    views: int = 0
     format: str = BGRX8.name
     bus: str = BUSES[0]
     video: str = VIDEOS[0]
@@ -124,8 +130,20 @@ class Hardware:
                              f"only")
         if self.raw_balance and not self.cached:
             raise InputError("fetch is multiport, gains of raw samples need cache")
+        if self.views:
+            self._check_views()
         if self.video != VIDEOS[0]:
             self._check_video()
+
+    def _check_views(self):
+        """Reject a list of views of a wrong length, without a view, or of a stream."""
+        if not 2 <= self.views <= MAX_VIEWS:
+            raise InputError(f"the number of views is {self.views}, the limits are 2 and "
+                             f"{MAX_VIEWS}")
+        if not self.view:
+            raise InputError(f"the number of views is {self.views}, it needs hardware with a view")
+        if self.stream:
+            raise InputError(f"the number of views is {self.views}, a video stream has one")
 
     def _check_video(self):
         """Reject packets of Intel's suite without an Avalon stream of one pixel per clock."""
@@ -285,7 +303,7 @@ class Hardware:
                 "share": self.share, "multiplier_bits": self.multiplier_bits,
                 "pixels_per_clock": self.lanes, "format": None if self.stream else self.format,
                 "colour": self.colour, "raw_balance": self.raw_balance, "view": self.view,
-                "bus": self.bus,
+                "views": self.views, "bus": self.bus,
                 "video": self.video if self.stream else None}
 
     def options(self, geometry):
@@ -300,6 +318,7 @@ class Hardware:
                 *(["--colour"] if self.colour else []),
                 *(["--raw-gains"] if self.raw_balance else []),
                 *(["--view"] if self.view else []),
+                *([f"--views {self.views}"] if self.views else []),
                 *([f"--bus {self.bus}"] if self.axi else []),
                 *([f"--video {self.video}"] if self.video != VIDEOS[0] else [])]
 

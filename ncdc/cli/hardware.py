@@ -20,6 +20,7 @@ from ncdc_spec.hardware import (
     Hardware,
 )
 from ncdc_spec.nodes import row_nodes
+from ncdc_spec.view_list import MAX_VIEWS
 
 __all__ = ["add_bus", "add_fixed", "add_format", "add_hardware", "add_lanes",
            "add_view_registers", "choice_line", "fixed_of", "front_end_line", "hardware_of",
@@ -83,10 +84,13 @@ def add_hardware(parser):
 
 
 def add_view_registers(parser):
-    """Declare the option --view."""
+    """Declare the options --view and --views."""
     parser.add_argument("--view", action="store_true",
                         help="with registers for the matrix of a view (pan, tilt, zoom, roll), "
                              "which changes no pixel until it is written; needs a network at nodes")
+    parser.add_argument("--views", type=int, default=0, metavar="N",
+                        help=f"with --view, a list of up to N views, 2 to {MAX_VIEWS}, that each "
+                             "start makes of one raw frame, in parts of one picture in memory")
 
 
 def add_bus(parser):
@@ -120,7 +124,7 @@ def hardware_of(args, board=None):
                     lanes=args.pixels_per_clock, format=args.format, colour=args.colour,
                     raw_balance=(getattr(args, "raw_gains", False)
                                  or getattr(args, "raw_balance", None) is not None),
-                    view=getattr(args, "view", False),
+                    view=getattr(args, "view", False), views=getattr(args, "views", 0),
                     bus=getattr(args, "bus", BUSES[0]), video=getattr(args, "video", VIDEOS[0]),
                     **{name: value for name, value in chosen.items() if value is not None})
 

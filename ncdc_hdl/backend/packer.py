@@ -12,6 +12,7 @@ from ncdc_hdl.frontend.strips import ORDER, Strips
 from ncdc_hdl.lib.groups import lanes_of
 from ncdc_hdl.lib.pipeline import register
 from ncdc_spec.frames import BGR8, BGRX8, MONO8, OUTPUT_FORMATS
+from ncdc_spec.view_list import PITCH_BITS
 
 __all__ = ["FORMAT", "Packer"]
 
@@ -33,6 +34,9 @@ class Packer(wiring.Component):
     the last word that it completes. Further units are carried into the next group's word, or
     sent in a word of their own at the end of a row.
 
+    With ``placed`` a picture's first pixel is at ``origin``, and rows may be a ``pitch`` apart.
+    Each row of such a picture begins and ends with words of its own, as in a strip.
+
     Only whole words inside ``base`` .. ``limit`` - 1 are sent. From the first word
     outside on, nothing more of the frame is sent but a void word for its end.
 
@@ -45,6 +49,8 @@ class Packer(wiring.Component):
         Bits of a word.
     lanes : int
         Pixels of a group: 1, 2 or 4.
+    placed : bool
+        Whether there are ``origin`` and ``pitch``.
 
     Members
     -------
@@ -55,6 +61,9 @@ class Packer(wiring.Component):
     base, limit, order : ``In(32)``, ``In(32)``, ``In(ORDER)``
         Byte address of the frame, a multiple of the word, and of the end of its area; sizes,
         with a height of at least 2 if there are several strips.
+    origin, pitch : ``In(32)``, ``In(PITCH_BITS)``
+        Byte address of the first pixel; bytes from row to row, or 0 if rows follow without a gap.
+        Multiples of the word, constant from the clock of ``start`` to the end of the frame.
     reject : ``In(1)``
         No word of this frame is sent; high before its first pixel comes.
     outside : ``Out(1)``
@@ -65,13 +74,15 @@ class Packer(wiring.Component):
 
     latency = 1
 
-    def __init__(self, data_width, lanes=1):
-        self.data_width, self.lanes = data_width, lanes
+    def __init__(self, data_width, lanes=1, placed=False):
+        self.data_width, self.lanes, self.placed = data_width, lanes, placed
         self.units = data_width // (8 * lanes)      # units of a word
         super().__init__({"start": In(1), "format": In(FORMAT), "base": In(ADDRESS_BITS),
                           "limit": In(ADDRESS_BITS), "order": In(ORDER), "reject": In(1),
                           "outside": Out(1), "i": In(stream.Signature(pixel_layout(lanes))),
-                          "o": Out(stream.Signature(word_layout(data_width)))})
+                          "o": Out(stream.Signature(word_layout(data_width)))}
+                         | ({"origin": In(ADDRESS_BITS), "pitch": In(PITCH_BITS)}
+                            if placed else {}))
 
     def elaborate(self, platform):
         m = Module()
@@ -87,7 +98,8 @@ class Packer(wiring.Component):
         closed = Signal()                               # nothing more of the frame is sent
 
         m.submodules.strips = strips = Strips(self.lanes)
-        in_strips = register(m, "in_strips", ~strips.raster)
+        apart = ~strips.raster | (self.pitch != 0) if self.placed else ~strips.raster
+        in_strips = register(m, "in_strips", apart)
         ending = self.i.p.last | (strips.last_column & in_strips)
         complete = end >= units
         # Units that complete no word wait for the next group, if there is one.
@@ -117,7 +129,7 @@ class Packer(wiring.Component):
         self._advance(m, put, final, strips, Cat(position, number), end,
                       Mux(complete, next_number, number))
         with m.If(self.start):
-            m.d.sync += [closed.eq(self.base[:word_bits] != 0),
+            m.d.sync += [closed.eq(self._origin[:word_bits] != 0),
                          begun.eq(0), carried.eq(0), part.eq(0)]
         with m.Elif(put & ~inside | self.reject):
             m.d.sync += closed.eq(1)
@@ -131,6 +143,11 @@ class Packer(wiring.Component):
         """
         return (number >= first) & (number < end)
 
+    @property
+    def _origin(self):
+        """Byte address of the first pixel."""
+        return self.origin if self.placed else self.base
+
     def _by_format(self, of_mono, of_bgr, otherwise):
         """The value for the format."""
         return Mux(self.format == BGR8.code, of_bgr,
@@ -142,12 +159,16 @@ class Packer(wiring.Component):
         lane_bits, unit_bits = exact_log2(self.lanes), exact_log2(self.units)
         size = self._by_format(1, BGR8.pixel_bytes, _MAX_UNITS)      # units of a group
         width = self.order.width[lane_bits:]
-        stride = Signal(range((_MAX_UNITS << len(width)) + 1))   # units from row to row
+        # Units from row to row.
+        stride = Signal(range(max((_MAX_UNITS << len(width)) + 1, 1 << PITCH_BITS - lane_bits)
+                              if self.placed else (_MAX_UNITS << len(width)) + 1))
         row = Signal(len(address))              # address of the first group in the row of the strip
         next_strip = Signal(len(address))       # address of the first group of the next strip
         top = Signal()                          # the row is the picture's first
         below = Signal(len(address))            # address of the first group in the row below
-        m.d.sync += stride.eq(self._by_format(width, BGR8.pixel_bytes * width, _MAX_UNITS * width))
+        gapless = self._by_format(width, BGR8.pixel_bytes * width, _MAX_UNITS * width)
+        m.d.sync += stride.eq(Mux(self.pitch == 0, gapless, self.pitch[lane_bits:])
+                              if self.placed else gapless)
         following = Cat(end[:unit_bits], number)
         m.d.comb += below.eq(row + stride)
         anew = Mux(strips.last_row, next_strip, below)
@@ -164,8 +185,8 @@ class Packer(wiring.Component):
             with m.Else():
                 m.d.sync += [address.eq(following), end.eq(end[:unit_bits] + size)]
         with m.If(self.start):
-            m.d.sync += [address.eq(self.base[lane_bits:]), end.eq(size),
-                         row.eq(self.base[lane_bits:]), top.eq(1)]
+            first = self._origin[lane_bits:]
+            m.d.sync += [address.eq(first), end.eq(size), row.eq(first), top.eq(1)]
 
     def _fill(self, m, put, part, position, end, begun, carried):
         """Put the group's units in the word into it, and those carried into it, which

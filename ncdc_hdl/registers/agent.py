@@ -11,6 +11,8 @@ from ncdc_hdl.avalon.bus import Agent
 from ncdc_hdl.frontend.signatures import TableAccess
 from ncdc_hdl.lib.pipeline import delay, register
 from ncdc_hdl.neural.banks import BANK_WRITES
+from ncdc_hdl.registers.view_pass import ViewPass
+from ncdc_hdl.registers.view_store import ViewStore
 from ncdc_hdl.registers.weight_store import WeightStore
 from ncdc_spec.registers.register_map import (
     ADDRESS_WORDS_BITS,
@@ -19,7 +21,9 @@ from ncdc_spec.registers.register_map import (
     ID,
     OUTSIDE_DIGEST,
     TABLE,
+    listed,
 )
+from ncdc_spec.view_list import ENTRY_WORDS
 
 __all__ = ["Registers"]
 
@@ -37,6 +41,9 @@ class Registers(wiring.Component):
 
     Weights of neurons that share a unit are not in ``active`` but in memories, see
     :class:`WeightStore`, which copies them after a commit and after a reset.
+
+    With a list of views a start makes a pass, a frame for each of its views. What an entry of the
+    list has is in a :class:`ViewStore`, and in ``active`` while its view is made.
 
     Timing: one access at a time; it is accepted after 5 clocks of waiting, when all changes
     are complete, and data follow a clock later. An access during a copy of weights waits until
@@ -72,9 +79,13 @@ class Registers(wiring.Component):
     valid_table : ``Out(TableAccess())``
         To the host's side of the table of valid rows, which answers two clocks after ``read``.
     begin : ``Out(1)``
-        High for one clock, the one before ``active`` is that of a new frame.
+        High for one clock, the one before ``active`` is that of a new frame. A frame is one view
+        of a list.
     ended : ``In(1)``
         The frame is complete.
+    first, over, lacks : ``Out(1)``, ``Out(1)``, ``Out(1)``
+        Only with a list of views: the first view of a pass is made; the pass is over, in the clock
+        of its last ``ended``; a view of it lacks pixels.
     abort : ``Out(1)``
         The frame must end early; high until it has ``ended``.
     cut : ``In(1)``
@@ -96,14 +107,21 @@ class Registers(wiring.Component):
     def __init__(self, table, values, *, digest, hidden_neurons, capabilities, nodes=1,
                  in_memory=(), neurons=0):
         self.table, self.values = table, values
-        self.rows = [r for r in table if r not in in_memory]    # rows with a register of their own
+        of_list = listed(table)
+        # Rows with a register of their own.
+        self.rows = [r for r in table if r not in in_memory and r not in of_list]
         self.store = WeightStore(in_memory, values, neurons) if in_memory else None
+        self.views = len(of_list) // len(ENTRY_WORDS)
+        self.entries = ViewStore(of_list, values, self.views) if of_list else None
+        self.passes = ViewPass(self.views) if of_list else None
         self.constants = {"ID": ID, "DIGEST": digest, "NEURONS": hidden_neurons, "NODES": nodes,
                           **capabilities}
         self.counting = (*COUNTERS, *(r.name for r in table if r.name in COLOUR_COUNTERS))
         [fault] = [r for r in table if r.name == "FAULT"]
         shadow = {r.name: Shape(r.shape.width, r.shape.signed)
                   for r in self.rows if r.access == "shadow"}
+        shadow |= {name: Shape(r.shape.width, r.shape.signed)
+                   for name, r in zip(ENTRY_WORDS.values(), of_list[-len(ENTRY_WORDS):])}
         initial = {name: values.get(name, 0) for name in shadow}
         super().__init__({
             "bus": In(Agent(ADDRESS_WORDS_BITS)),
@@ -114,7 +132,8 @@ class Registers(wiring.Component):
             "faults": In(data.StructLayout({flag.name.lower(): 1 for flag in fault.flags})),
             "running": In(1), "start": In(1), "idle": Out(1),
             "irq": Out(1),
-        } | ({"writes": Out(BANK_WRITES)} if in_memory else {}))
+        } | ({"writes": Out(BANK_WRITES)} if in_memory else {})
+          | ({"first": Out(1), "over": Out(1), "lacks": Out(1)} if of_list else {}))
 
     def elaborate(self, platform):
         m = Module()
@@ -134,13 +153,19 @@ class Registers(wiring.Component):
         stored, store_written = Const(0, signed(32)), Const(0)
         if self.store:
             stored, store_written = self._store(m, write[1], status["COMMITTED"])
-            m.d.comb += [self.store.address.eq(address), self.store.word.eq(word),
-                         self.store.held.eq(under_way), self.store.take.eq(take),
-                         copying.eq(self.store.busy)]
+        list_rejected = Const(0)
+        if self.entries:
+            stored, list_rejected = self._entries(m, write[1], status["COMMITTED"], stored)
+        stores = [store for store in (self.store, self.entries) if store]
+        for store in stores:
+            m.d.comb += [store.address.eq(address), store.word.eq(word), store.held.eq(under_way),
+                         store.take.eq(take)]
+        if stores:
+            m.d.comb += copying.eq(reduce(or_, (store.busy for store in stores)))
         meant = {r.name: register(m, f"{r.name.lower()}_meant", address == r.address)
                  for r in self.rows}
         self._read(m, address, meant, stored, {
-            **self.constants, **held, **counted, "CTRL": 0,
+            **self.constants, **held, **counted, **self._state(), "CTRL": 0,
             "STATUS": Cat(status[flag.name] for flag in action["STATUS"].flags),
             "FAULT": Cat(fault[flag.name] for flag in action["FAULT"].flags),
             "ALTERED": altered})
@@ -160,14 +185,15 @@ class Registers(wiring.Component):
         table_rejected = in_table & ~self.valid_table.write
         of_set = Cat(store_written, *(written[r.name] for r in self.rows
                                       if r.access == "shadow")).any()
-        with m.If(self._rejected(m, of_set, table_rejected, status["COMMITTED"])):
+        with m.If(self._rejected(m, of_set, table_rejected | list_rejected, status["COMMITTED"])):
             m.d.sync += status["REFUSED"].eq(1)
         control = {flag.name: written["CTRL"] & word[flag.bit] for flag in action["CTRL"].flags}
         with m.If(control["START"] & self.running):
             m.d.sync += status["REFUSED"].eq(1)
         control["START"] = control["START"] & ~self.running | self.start
-        self._frames(m, take, copying, control, held, status)
-        self._count(m, counted)
+        flow = self._passes(m, held) if self.entries else (self.begin, self.ended, self.cut)
+        self._frames(m, flow, take, copying, control, held, status)
+        self._count(m, flow[1], counted)
         self._altered(m, written, store_written, altered)
         m.d.comb += [self.irq.eq(status["DONE"] & held["IRQ_ENABLE"]),
                      status["BANK"].eq(self.active.VALID_BANK),
@@ -212,6 +238,31 @@ class Registers(wiring.Component):
         m.d.comb += store.write.eq(write & ~committed)
         return store.read, write & store.mine
 
+    def _entries(self, m, write, committed, stored):
+        """Connect the list of views; return read data that include its own, and whether a write
+        to it is ignored."""
+        m.submodules.entries = entries = self.entries
+        ready = ~(committed | entries.copying)
+        m.d.comb += entries.write.eq(write & ready)
+        with m.If(entries.loads):
+            with m.Switch(entries.position):
+                for k, name in enumerate(ENTRY_WORDS.values()):
+                    with m.Case(k):
+                        m.d.sync += self.active[name].eq(entries.value)
+        return stored | entries.read, write & entries.mine & ~ready
+
+    def _passes(self, m, held):
+        """Make a pass of each frame; return when it begins, when it is over, and what it lacks."""
+        m.submodules.views = views = self.passes
+        begin = Signal(name="pass_begin")
+        m.d.comb += [
+            views.start.eq(begin), views.count.eq(self.active.VIEWS),
+            self.entries.load.eq(views.load), self.entries.entry.eq(views.entry),
+            views.loaded.eq(self.entries.loaded), self.begin.eq(views.begin),
+            self.first.eq(views.first), views.ended.eq(self.ended), views.cut.eq(self.cut),
+            views.abort.eq(self.abort), self.over.eq(views.over), self.lacks.eq(views.lacks)]
+        return begin, views.over, views.lacks
+
     def _read(self, m, address, meant, stored, readable):
         """Select the word addressed: all others are masked, ``stored`` already is."""
         words = [Mux(meant[r.name], readable[r.name], 0) for r in self.rows] + [stored]
@@ -221,6 +272,10 @@ class Registers(wiring.Component):
         table = self.valid_table
         span = Cat(table.read_start, Const(0, 3), table.read_stop, Const(0, 3))
         m.d.sync += self.bus.readdata.eq(Mux(address >= TABLE, span, value))
+
+    def _state(self):
+        """The value of VIEWS_STATE by its name, if there is a list of views."""
+        return {"VIEWS_STATE": Cat(Const(self.views, 8), self.passes.done)} if self.passes else {}
 
     def _keep(self, m, written, word, held, committed):
         """Write registers, unless the set is committed."""
@@ -265,18 +320,19 @@ class Registers(wiring.Component):
         return register(m, "ignored", of_set & was_committed, reset_less=False) \
             | delay(m, of_table, 2, "table_ignored", reset_less=False)
 
-    def _frames(self, m, take, copying, control, held, status):
+    def _frames(self, m, flow, take, copying, control, held, status):
         """Begin and end frames; a committed set becomes active between two of them."""
+        begin, ended, cut = flow
         busy, pending, committed = (status[name] for name in ("BUSY", "PENDING", "COMMITTED"))
         asked = Signal()        # an abort was requested while a frame ran or waited
         # A frame may begin, or a set become active, in the next clock.
-        boundary = (~busy | self.ended) & ~self.begin & ~(committed & copying)
-        m.d.sync += [self.begin.eq(pending & boundary), take.eq(committed & boundary & ~take)]
+        boundary = (~busy | ended) & ~begin & ~(committed & copying)
+        m.d.sync += [begin.eq(pending & boundary), take.eq(committed & boundary & ~take)]
         self._take_over(m, take, held)
         m.d.comb += [self.abort.eq(asked & busy), self.idle.eq(~busy & ~pending)]
         with m.If(take):
             m.d.sync += committed.eq(0)
-        with m.If(self.begin):
+        with m.If(begin):
             m.d.sync += [busy.eq(1), pending.eq(0)]
         with m.If(control["START"]):
             m.d.sync += pending.eq(1)
@@ -284,13 +340,13 @@ class Registers(wiring.Component):
             m.d.sync += committed.eq(1)
         with m.If(control["ABORT"]):
             m.d.sync += asked.eq(busy | pending)
-        with m.If(self.ended):
+        with m.If(ended):
             m.d.sync += [busy.eq(0), status["DONE"].eq(1), asked.eq(0),
-                         status["ABORTED"].eq(self.cut)]
+                         status["ABORTED"].eq(cut)]
 
-    def _count(self, m, counted):
+    def _count(self, m, ended, counted):
         """Store the counters of the frame that has ended."""
-        ended = delay(m, self.ended, 2, "ended", reset_less=False)
+        ended = delay(m, ended, 2, "ended", reset_less=False)
         with m.If(ended):
             m.d.sync += counted["FRAMES"].eq(counted["FRAMES"] + 1)
             m.d.sync += [counted[name].eq(self.counters[name]) for name in self.counting]
@@ -298,4 +354,5 @@ class Registers(wiring.Component):
     def _take_over(self, m, when, held):
         """Copy the whole set to ``active`` in the clocks in which ``when`` is high."""
         with m.If(when):
-            m.d.sync += [self.active[name].eq(held[name]) for name, _ in self.active.shape()]
+            m.d.sync += [self.active[name].eq(held[name]) for name, _ in self.active.shape()
+                         if name in held]

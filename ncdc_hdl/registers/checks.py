@@ -5,7 +5,7 @@ from amaranth.lib import data, wiring
 from amaranth.lib.wiring import In, Out
 from amaranth.utils import exact_log2
 
-from ncdc_spec.frames import MONO8, OUTPUT_FORMATS
+from ncdc_spec.frames import BGR8, BGRX8, MONO8, OUTPUT_FORMATS
 from ncdc_spec.geometry import MAX_SIZE, MIN_SIZE, STRIP_UNIT
 from ncdc_spec.interpolation import FAST
 from ncdc_spec.registers.register_map import BAYER_MONO
@@ -53,6 +53,7 @@ class Checks(wiring.Component):
         lane_bits, strip_bits = exact_log2(hardware.lanes), exact_log2(STRIP_UNIT)
         aligned = [active.SOURCE_BASE, active.SOURCE_PITCH]
         aligned += [] if hardware.stream else [active.TARGET_BASE]
+        aligned += [active.TARGET_OFFSET, active.TARGET_PITCH] if hardware.views else []
         width, height = active.CORRECTED_WIDTH, active.CORRECTED_HEIGHT
         wrong = [
             *(size < MIN_SIZE for size in (width, height, active.DISTORTED_WIDTH,
@@ -66,6 +67,8 @@ class Checks(wiring.Component):
             wrong.append(active.STRIP_WIDTH[:strip_bits] != 0)
         if hardware.cached:
             wrong.append(active.CACHE_SPLIT > hardware.cache.max_split)
+        if hardware.views:
+            wrong += [active.VIEWS == 0, active.VIEWS > hardware.views, self._overlaps(active)]
         m.d.sync += [
             self.faults.alignment.eq(Cat(value[:word_bits] for value in aligned).any()),
             self.faults.size.eq(Cat(wrong).any()),
@@ -73,6 +76,14 @@ class Checks(wiring.Component):
         if not hardware.stream:
             m.d.sync += self.faults.format.eq(self._loses(active))
         return m
+
+    @staticmethod
+    def _overlaps(active):
+        """Whether a row begins before the end of the one above."""
+        width, form, pitch = active.CORRECTED_WIDTH, active.OUTPUT_FORMAT, active.TARGET_PITCH
+        row = Mux(form == MONO8.code, width, Mux(form == BGR8.code, BGR8.pixel_bytes * width,
+                                                 BGRX8.pixel_bytes * width))
+        return (pitch != 0) & (pitch < row)
 
     def _loses(self, active):
         """Whether the pixels in memory would not be the corrected ones."""

@@ -7,6 +7,14 @@ from ncdc_spec.geometry import MAX_SIZE, MIN_SIZE, SCAN, STRIP_UNIT
 from ncdc_spec.interpolation import CRESTS, DIRECTIONAL, FAST, GRADIENT
 from ncdc_spec.tone import NODE_BITS, NODE_POSITIONS
 from ncdc_spec.view import FORMATS, NAMES, PLANE_HEIGHT, VIEW_REGISTERS
+from ncdc_spec.view_list import (
+    ENTRY_WORDS,
+    MAX_VIEWS,
+    OFFSET,
+    PITCH,
+    PITCH_BITS,
+    entry_register,
+)
 from ncdc_spec.white_balance import GAIN_BITS
 
 __all__ = ["ADDRESS_WORDS_BITS", "BAYER_MONO", "Bits", "CAPABILITIES", "capabilities",
@@ -16,7 +24,8 @@ __all__ = ["ADDRESS_WORDS_BITS", "BAYER_MONO", "Bits", "CAPABILITIES", "capabili
            "INTERPOLATION_BITS", "network_registers", "NODES", "OUTSIDE_DIGEST", "RAW_GAINS",
            "Register", "registers", "SKIP", "STATUS_ABORTED", "STATUS_BANK",
            "STATUS_BUSY", "STATUS_COMMITTED", "STATUS_DONE", "STATUS_FAULT",
-           "STATUS_PENDING", "STATUS_REFUSED", "TABLE", "VERSION", "VIEW_BIT"]
+           "STATUS_PENDING", "STATUS_REFUSED", "TABLE", "VERSION", "VIEW_BIT", "VIEW_LIST",
+           "listed"]
 
 ADDRESS_WORDS_BITS = 14
 TABLE = 1 << 13           # word address of the window on the table of valid rows
@@ -37,7 +46,7 @@ RAW_GAINS = ("RAW_GAIN_RED", "RAW_GAIN_GREEN", "RAW_GAIN_BLUE")
 # Registers of the set that do not depend on the lens: DIGEST does not include them.
 OUTSIDE_DIGEST = ("VALID_BANK", "SOURCE_BASE", "SOURCE_LIMIT", "SOURCE_PITCH", "TARGET_BASE",
                   "TARGET_LIMIT", "OUTPUT_FORMAT", "CREST", "FOLLOW", "CACHE_SPLIT", "STRIP_WIDTH",
-                  *COLOUR_SETTINGS, *RAW_GAINS, *VIEW_REGISTERS)
+                  *COLOUR_SETTINGS, *RAW_GAINS, *VIEW_REGISTERS, "VIEWS")
 
 CTRL_START, CTRL_COMMIT, CTRL_ABORT = 1, 2, 4
 STATUS_BUSY, STATUS_DONE, STATUS_PENDING = 1, 2, 4
@@ -321,6 +330,20 @@ _VIEWS = (
       for row, quantity in enumerate(_HOMOGENEOUS) for column, q in enumerate(FORMATS[row])),
     Register(PLANE_HEIGHT, _VIEW + 9, "shadow", _SIZE,
              "View: rows of the trained picture, those of the table of valid rows."))
+VIEW_LIST = 0x400         # word address of entry 0 of the list of views; each has 16 words
+_COUNT_BITS = MAX_VIEWS.bit_length()
+_LIST_CONTROL = (
+    Register("VIEWS", 0x80, "shadow", Bits(_COUNT_BITS),
+             "Views that a start makes, of one raw frame, from 1 on."),
+    _action("VIEWS_STATE", 0x81, "",
+            Flag("MAX", 0xF, "ro", "most views that a start makes; 0: there is no list of views"),
+            Flag("DONE", 0xF00, "ro", "views that are complete, of the start that runs, or of the "
+                 "last one"), access="ro"))
+_PLACES = (
+    Register(OFFSET, 0, "shadow", Bits(ADDRESS_BITS), "bytes from `TARGET_BASE` to its first "
+             "pixel, a multiple of the memory word"),
+    Register(PITCH, 0, "shadow", Bits(PITCH_BITS), "bytes from row to row, a multiple of the "
+             "memory word and no less than a row; 0: rows follow without a gap"))
 _HIDDEN, _OUTPUT, _OUTPUT_BIAS, SKIP = 0x100, 0x200, 0x280, 0x284
 
 
@@ -357,13 +380,32 @@ def _numbered(name, text, j, address, q, parameter):
                     parameter=parameter, family=(name.format("j"), text.format("j")))
 
 
-def registers(hidden_neurons, formats, nodes=1, colour=False, raw_balance=False, view=False):
+def _list_registers(views):
+    """The number of ``views``, and the registers of as many entries."""
+    rows = {row.name: row for row in (*_FIXED, *_VIEWS, *_PLACES)}
+    for k in range(views):
+        for number, (word, name) in enumerate(ENTRY_WORDS.items()):
+            text = "View {}: " + (rows[name].text if name in (OFFSET, PITCH) else f"its `{name}`")
+            yield Register(entry_register(k, word), VIEW_LIST + 16 * k + number, "shadow",
+                           rows[name].shape, text.format(k) + ".",
+                           family=(entry_register("j", word), text.format("j") + "."))
+
+
+def listed(table):
+    """The registers of ``table`` that the list of views holds: those of its entries, and those of
+    the set that are entry 0. None without a list."""
+    entries = [row for row in table if VIEW_LIST <= row.address < VIEW_LIST + 16 * MAX_VIEWS]
+    return [row for row in table if row.name in ENTRY_WORDS.values()] + entries if entries else []
+
+
+def registers(hidden_neurons, formats, nodes=1, colour=False, raw_balance=False, view=False,
+              views=0):
     """All registers of an instance, by ascending address."""
     optional = (*(_COLOUR if colour else ()), *(_RAW_GAINS if raw_balance else ()),
-                *(_VIEWS if view else ()))
+                *(_VIEWS if view else ()), *(_LIST_CONTROL if views else ()))
     return (*_FIXED, *([_NODES] if nodes > 1 else []),
             *sorted(optional, key=lambda row: row.address),
-            *network_registers(hidden_neurons, formats))
+            *network_registers(hidden_neurons, formats), *_list_registers(views))
 
 
 def counters(table):

@@ -10,6 +10,7 @@ from ncdc_spec.hardware import Hardware
 from ncdc_spec.registers.register_map import ADDRESS_WORDS_BITS, NODES, SKIP, TABLE, registers
 from ncdc_spec.registers.system_map import system_registers
 from ncdc_spec.registers.system_values import stores_for
+from ncdc_spec.view_list import MAX_VIEWS
 
 __all__ = ["register_doc"]
 
@@ -21,7 +22,8 @@ def register_doc(hidden_neurons, formats):
     ValueError
         If the registers of one kind are not at equal distances.
     """
-    lines = _rows(registers(hidden_neurons, formats, colour=True, raw_balance=True, view=True))
+    lines = _rows(registers(hidden_neurons, formats, colour=True, raw_balance=True, view=True,
+                            views=MAX_VIEWS))
     lines.append(f"| 0x{4 * TABLE:04X} + 8 r | `VALID_ROWS` | rw | 2 x 32 | "
                  "Spans of pixels with a source in row r, see below. |\n")
     bits = MAX_SIZE.bit_length() - 1

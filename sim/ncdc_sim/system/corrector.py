@@ -146,7 +146,7 @@ def _rows(descriptor, hardware):
     return {r.name: r for r in registers(descriptor.hidden_neurons, descriptor.formats,
                                          colour=hardware.colour,
                                          raw_balance=hardware.raw_balance,
-                                         view=hardware.view)}
+                                         view=hardware.view, views=hardware.views)}
 
 
 def _colour_counters(hardware):

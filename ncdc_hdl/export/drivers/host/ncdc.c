@@ -100,6 +100,34 @@ enum ncdc_result ncdc_place(const struct ncdc *device, const struct ncdc_lens *l
     return rejected(device);
 }
 
+#ifdef NCDC_VIEWS
+enum ncdc_result ncdc_views(const struct ncdc *device, const struct ncdc_view *views,
+                            uint32_t count)
+{
+    uint32_t k, j;
+
+    if (!count || count > field(get(device, NCDC_VIEWS_STATE), NCDC_VIEWS_STATE_MAX))
+        return NCDC_ERROR_SIZE;
+    if (get(device, NCDC_STATUS) & NCDC_STATUS_COMMITTED)
+        return NCDC_ERROR_COMMITTED;
+    for (k = 0; k < count; ++k) {
+        uint32_t entry = (NCDC_VIEW1_X_U - NCDC_VIEW0_X_U) * k;
+
+        for (j = 0; j < 9; ++j)
+            put(device, NCDC_VIEW0_X_U + entry + 4 * j, (uint32_t)views[k].matrix[j]);
+        put(device, NCDC_VIEW0_SPLIT + entry, views[k].split);
+        put(device, NCDC_VIEW0_STRIP + entry, views[k].strip);
+        put(device, NCDC_VIEW0_WIDTH + entry, views[k].width);
+        put(device, NCDC_VIEW0_HEIGHT + entry, views[k].height);
+        put(device, NCDC_VIEW0_FORMAT + entry, views[k].format);
+        put(device, NCDC_VIEW0_OFFSET + entry, views[k].offset);
+        put(device, NCDC_VIEW0_PITCH + entry, views[k].pitch);
+    }
+    put(device, NCDC_VIEWS, count);
+    return rejected(device);
+}
+#endif
+
 void ncdc_commit(const struct ncdc *device)
 {
     put(device, NCDC_CTRL, NCDC_CTRL_COMMIT);

@@ -54,6 +54,16 @@ struct ncdc_counters {
 #undef NCDC_COUNTER_MEMBER
 };
 
+#ifdef NCDC_VIEWS
+/* A view of a list: its matrix, row by row, as for the registers NCDC_VIEW_X_U to NCDC_VIEW_Z_0;
+ * the cache's split and columns of a strip; pixels; code of NCDC_OUTPUT_FORMAT; bytes from the
+ * start of the buffer to the first pixel, and from row to row (0: without a gap). */
+struct ncdc_view {
+    int32_t matrix[9];
+    uint32_t split, strip, width, height, format, offset, pitch;
+};
+#endif
+
 enum ncdc_result {
     NCDC_OK = 0,
     NCDC_ERROR_ID,          /* no corrector answers */
@@ -86,6 +96,14 @@ enum ncdc_result ncdc_load(const struct ncdc *device, const struct ncdc_lens *le
  * ignores `target`, which may be 0. */
 enum ncdc_result ncdc_place(const struct ncdc *device, const struct ncdc_lens *lens,
                             const struct ncdc_buffer *source, const struct ncdc_buffer *target);
+
+#ifdef NCDC_VIEWS
+/* Views that each start makes of one raw frame, from the next commit on. All write to the buffer of
+ * ncdc_place(), which must have the bytes that they need. NCDC_ERROR_SIZE if there are none, or more
+ * than the corrector makes. */
+enum ncdc_result ncdc_views(const struct ncdc *device, const struct ncdc_view *views,
+                            uint32_t count);
+#endif
 
 /* Make what was written active at the next frame boundary. */
 void ncdc_commit(const struct ncdc *device);

@@ -250,6 +250,37 @@ class Corrector:
             raise CorrectorError("the corrector has no view: it was generated without --view")
         self._put_set(names, words, "number of the view's matrix", (1 << 31) - 1, -1 << 31)
 
+    def views(self, entries):
+        """Views that each start makes of one raw frame, from the next commit on.
+
+        Parameters
+        ----------
+        entries : sequence of dict
+            Value of each word of an entry: "X_U" to "Z_0" of the matrix, "WIDTH", "HEIGHT",
+            "OFFSET", "PITCH", "FORMAT", "STRIP", "SPLIT". What is absent keeps its value.
+
+        Raises
+        ------
+        CorrectorError
+            If there are none or too many, a word is unknown, a commit still waits, or the corrector
+            has no list of views.
+        """
+        if "VIEWS" not in registers.OFFSET:
+            raise CorrectorError("the corrector has no list of views: it was generated without "
+                                 "--views")
+        most = _field(self.get("VIEWS_STATE"), registers.VIEWS_STATE_MAX)
+        if not 1 <= len(entries) <= most:
+            raise CorrectorError(f"there are {len(entries)} views, the limits are 1 and {most}")
+        values = {f"VIEW{k}_{word}": value for k, entry in enumerate(entries)
+                  for word, value in entry.items()}
+        for name in values:
+            if name not in registers.OFFSET:
+                raise CorrectorError(f"{name} is no register of the list of views")
+        self._free(self.get("STATUS"))
+        for name, value in (values | {"VIEWS": len(entries)}).items():
+            self.put(name, value)
+        self._taken()
+
     def tone(self, nodes):
         """Nodes of the tone curve, as in TONES of ncdc_registers.py, for the next commit.
 

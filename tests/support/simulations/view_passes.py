@@ -1,0 +1,113 @@
+"""Passes of a list of views, back to back, on one corrector: another lens and list each time."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ncdc_hdl.export.drivers.lenses import Lens
+from ncdc_model.golden.view_list import compose
+from ncdc_sim.system.frame import Program, simulate_frame
+from ncdc_spec.frames import OUTPUT_FORMATS, raw_image
+from ncdc_spec.registers.register_map import (
+    STATUS_BANK,
+    STATUS_BUSY,
+    STATUS_DONE,
+    TABLE,
+)
+from ncdc_spec.view_list import Entry, buffer_bytes, list_values
+from simulations.series import aligned, begin
+from views import random_view
+
+__all__ = ["PassResult", "random_entries", "simulate_passes"]
+
+_POISON = 0xA5          # of the bench: bytes that nothing has written
+
+
+@dataclass(frozen=True)
+class PassResult:
+    """Results of the passes.
+
+    Parameters
+    ----------
+    differing : tuple of int
+        Bytes of each pass's buffer that are not those of the golden model.
+    outside : int
+        Bytes that any pass read or wrote outside its buffers.
+    pixels : tuple of int
+        The corrector's own count of each pass's pixels.
+    """
+    differing: tuple
+    outside: int
+    pixels: tuple
+
+
+def simulate_passes(corrector, verilog, cameras, lists, **options):
+    """Make a pass of each of ``lists``, the cameras taking turns, each started while the last one
+    runs.
+
+    Parameters
+    ----------
+    corrector, verilog : Corrector, str
+    cameras : sequence of (Descriptor, ndarray of uint8)
+        Each with its raw frame.
+    lists : sequence of sequence of Entry
+    options :
+        As of :func:`ncdc_sim.system.frame.simulate_frame`.
+    """
+    rows = {r.name: r.address for r in corrector.registers.table}
+    content, sources = b"", []
+    for descriptor, raw in cameras:
+        sources.append(len(content))
+        image = raw_image(raw, Lens.of(corrector, descriptor).values["SOURCE_PITCH"])
+        content += image.ljust(aligned(len(image)), b"\0")
+    sizes = [buffer_bytes(entries, corrector.hardware.data_width) for entries in lists]
+    starts = np.cumsum([len(content), *map(aligned, sizes)]).tolist()
+    program = Program().allow((0, len(content)), (starts[0], starts[-1]))
+    program.write(rows["IRQ_ENABLE"], 1)
+    for k in range(len(lists) + 1):
+        if k:
+            program.compare(rows["STATUS"], STATUS_BUSY | (0 if k % 2 else STATUS_BANK))
+        if k < len(lists):
+            turn = k % len(cameras)
+            _begin(program, rows, corrector, cameras[turn][0], lists[k], k % 2, {
+                "SOURCE_BASE": sources[turn], "SOURCE_LIMIT": len(content),
+                "TARGET_BASE": starts[k], "TARGET_LIMIT": starts[k] + sizes[k]})
+        if k:
+            program.wait_irq().write(rows["STATUS"], STATUS_DONE).read(rows["PIXELS"])
+    program.compare(rows["FRAMES"], len(lists)).compare(rows["FAULT"], 0)
+    result = simulate_frame(verilog, content, program, source_base=0, output_base=starts[0],
+                            output_bytes=starts[-1] - starts[0], **options)
+    expected = np.full(starts[-1] - starts[0], _POISON, np.uint8)
+    for k, entries in enumerate(lists):
+        compose(*cameras[k % len(cameras)], entries, expected[starts[k] - starts[0]:])
+    wrong = np.frombuffer(result.output, np.uint8) != expected
+    return PassResult(
+        tuple(int(wrong[a - starts[0]:b - starts[0]].sum()) for a, b in zip(starts, starts[1:])),
+        result.counters["outside_bytes"],
+        tuple(value for address, value in result.reads if address == rows["PIXELS"]))
+
+
+def _begin(program, rows, corrector, descriptor, entries, bank, addresses):
+    """Write a lens, a list of views and the ``addresses``; commit and start."""
+    lens = Lens.of(corrector, descriptor)
+    program.write(rows["VALID_WINDOW"], bank)
+    for row, value in enumerate(lens.valid_rows):
+        program.write(TABLE + row, value)
+    begin(program, rows, lens.values | addresses | {"VALID_BANK": bank} | list_values(
+        entries, corrector.hardware, descriptor.geometry))
+
+
+def random_entries(rng, geometry, focal, hardware, count):
+    """So many entries with views of random sizes, formats and strips, in one column of a buffer."""
+    word, offset, entries = hardware.data_width // 8, 0, []
+    for _ in range(count):
+        width, height = int(rng.integers(2, 9)) * 4, int(rng.integers(8, 20))
+        width = max(8, width)
+        view = random_view(rng, geometry, focal, (width, height), pan=50, roll=180, zoom=(.5, 4))
+        form = OUTPUT_FORMATS[str(rng.choice(["BGRX8", "BGR8"]))]
+        row = -(-width * form.pixel_bytes // word) * word
+        entry = Entry(view, offset, int(rng.choice([0, row, row + word, row + 7 * word])), form,
+                      int(rng.choice([0, 32])))
+        entries.append(entry)
+        offset += -(-(entry.end - offset) // word) * word + word * int(rng.integers(0, 3))
+    return tuple(entries)
