@@ -224,25 +224,7 @@ class Corrector(wiring.Component):
         m.d.comb += self.fetch.memory_rst.eq(self.memory_rst)
         pixels = self.interpolator.o
         if not self.hardware.stream:
-            m.submodules.packer = packer = Packer(
-                self.hardware.data_width, self.hardware.lanes, self.hardware.views > 0)
-            m.submodules.writer = writer = self.writer
-            wiring.connect(m, pixels, packer.i)
-            wiring.connect(m, packer.o, writer.i)
-            join(m, self, "write", writer.bus)
-            m.d.comb += writer.memory_rst.eq(self.memory_rst)
-            m.d.comb += [
-                packer.start.eq(begun), packer.base.eq(active.TARGET_BASE),
-                packer.limit.eq(active.TARGET_LIMIT), packer.reject.eq(reject),
-                packer.format.eq(active.OUTPUT_FORMAT),
-                registers.faults.target.eq(packer.outside),
-                packer.order.width.eq(active.CORRECTED_WIDTH),
-                packer.order.height.eq(active.CORRECTED_HEIGHT),
-                packer.order.strip.eq(active.STRIP_WIDTH), registers.ended.eq(writer.done),
-            ]
-            if self.hardware.views:
-                m.d.sync += packer.origin.eq(active.TARGET_BASE + active.TARGET_OFFSET)
-                m.d.comb += packer.pitch.eq(active.TARGET_PITCH)
+            self._store(m, active, begun, reject)
         else:
             self._stream(m, active, pixels)
             m.d.comb += registers.ended.eq(pixels.valid & pixels.ready & pixels.p.last)
@@ -254,6 +236,28 @@ class Corrector(wiring.Component):
         if self.hardware.colour:
             self._colour(m, active, begun)
         return m
+
+    def _store(self, m, active, begun, reject):
+        """Pixels to memory; those of a list of views each in its part of the target."""
+        m.submodules.packer = packer = Packer(
+            self.hardware.data_width, self.hardware.lanes, self.hardware.views > 0)
+        m.submodules.writer = writer = self.writer
+        wiring.connect(m, self.interpolator.o, packer.i)
+        wiring.connect(m, packer.o, writer.i)
+        join(m, self, "write", writer.bus)
+        m.d.comb += writer.memory_rst.eq(self.memory_rst)
+        m.d.comb += [
+            packer.start.eq(begun), packer.base.eq(active.TARGET_BASE),
+            packer.limit.eq(active.TARGET_LIMIT), packer.reject.eq(reject),
+            packer.format.eq(active.OUTPUT_FORMAT),
+            self.registers.faults.target.eq(packer.outside),
+            packer.order.width.eq(active.CORRECTED_WIDTH),
+            packer.order.height.eq(active.CORRECTED_HEIGHT),
+            packer.order.strip.eq(active.STRIP_WIDTH), self.registers.ended.eq(writer.done),
+        ]
+        if self.hardware.views:
+            m.d.sync += packer.origin.eq(active.TARGET_BASE + active.TARGET_OFFSET)
+            m.d.comb += packer.pitch.eq(active.TARGET_PITCH)
 
     def _stream(self, m, active, pixels):
         """Pixels as video, in packets of Intel's suite if the hardware has them."""

@@ -8,7 +8,9 @@ from ncdc.cli.common import add_json, add_samples, raw_frame, write_report
 from ncdc.cli.follow import add_follow, bound_of, follow_strip
 from ncdc.cli.hardware import add_hardware, add_view_registers, fixed_of, hardware_of, planned
 from ncdc.cli.moving import add_moving, run_moving
+from ncdc.cli.simulated_views import run_views
 from ncdc.cli.view import add_simulated_view, simulated_view
+from ncdc.cli.view_list import add_view_list
 from ncdc.cli.waves import add_waves, waves_of
 from ncdc.terminal import Progress
 from ncdc_model.correction import correct
@@ -51,6 +53,7 @@ def add_arguments(parser) -> None:
     view = parser.add_argument_group("view")
     add_view_registers(view)
     add_simulated_view(view)
+    add_view_list(view)
     add_colour(parser.add_argument_group("colour"))
     add_samples(parser.add_argument_group("samples of the file"))
     add_json(parser)
@@ -65,6 +68,8 @@ def run(args) -> int | None:
     simulated_memory(args.memory)
     waves = waves_of(args)
     descriptor = Descriptor.load(args.descriptor)
+    if args.view_list is not None:
+        return run_views(args, descriptor)
     if args.sensor:
         return run_moving(args, descriptor)
     view = simulated_view(args, descriptor)

@@ -150,18 +150,8 @@ class Registers(wiring.Component):
         address, word, under_way, write, read = self._accesses(m, copying)
         altered = Signal()                          # the lens may not be the one of DIGEST
         take = Signal()                             # the committed set is taken over in this clock
-        stored, store_written = Const(0, signed(32)), Const(0)
-        if self.store:
-            stored, store_written = self._store(m, write[1], status["COMMITTED"])
-        list_rejected = Const(0)
-        if self.entries:
-            stored, list_rejected = self._entries(m, write[1], status["COMMITTED"], stored)
-        stores = [store for store in (self.store, self.entries) if store]
-        for store in stores:
-            m.d.comb += [store.address.eq(address), store.word.eq(word), store.held.eq(under_way),
-                         store.take.eq(take)]
-        if stores:
-            m.d.comb += copying.eq(reduce(or_, (store.busy for store in stores)))
+        stored, store_written, list_rejected = self._memories(
+            m, (address, word, under_way, write[1]), take, status["COMMITTED"], copying)
         meant = {r.name: register(m, f"{r.name.lower()}_meant", address == r.address)
                  for r in self.rows}
         self._read(m, address, meant, stored, {
@@ -182,10 +172,12 @@ class Registers(wiring.Component):
                 m.d.sync += fault[flag.name].eq(1)
         self._keep(m, written, word, held, status["COMMITTED"])
         self._table(m, address, read[2], in_table, word, held, status)
-        table_rejected = in_table & ~self.valid_table.write
+        rejected = in_table & ~self.valid_table.write
+        if self.entries:
+            rejected |= list_rejected
         of_set = Cat(store_written, *(written[r.name] for r in self.rows
                                       if r.access == "shadow")).any()
-        with m.If(self._rejected(m, of_set, table_rejected | list_rejected, status["COMMITTED"])):
+        with m.If(self._rejected(m, of_set, rejected, status["COMMITTED"])):
             m.d.sync += status["REFUSED"].eq(1)
         control = {flag.name: written["CTRL"] & word[flag.bit] for flag in action["CTRL"].flags}
         with m.If(control["START"] & self.running):
@@ -230,6 +222,26 @@ class Registers(wiring.Component):
         for k in range(6):
             steps.append(register(m, f"{name}{k}", steps[-1], reset_less=False))
         return steps[1:]
+
+    def _memories(self, m, access, take, committed, copying):
+        """Join the words in memories to an ``access`` of the bus.
+
+        Returns their read data, whether a weight is written, and whether a write to the list of
+        views is ignored.
+        """
+        address, word, under_way, write = access
+        stored, written, ignored = Const(0, signed(32)), Const(0), Const(0)
+        if self.store:
+            stored, written = self._store(m, write, committed)
+        if self.entries:
+            stored, ignored = self._entries(m, write, committed, stored)
+        stores = [store for store in (self.store, self.entries) if store]
+        for store in stores:
+            m.d.comb += [store.address.eq(address), store.word.eq(word), store.held.eq(under_way),
+                         store.take.eq(take)]
+        if stores:
+            m.d.comb += copying.eq(reduce(or_, (store.busy for store in stores)))
+        return stored, written, ignored
 
     def _store(self, m, write, committed):
         """Connect the weights in memories; return their read data, and whether one is written."""

@@ -33,6 +33,7 @@ BUILDS = {
     "2 pixels, stream": Hardware(cache=CACHE, output="stream", lanes=2),
     "4 pixels, stream": Hardware(cache=CACHE, output="stream", lanes=4, data_width=64),
     "view, memory": Hardware(cache=CACHE, view=True),
+    "views, memory": Hardware(cache=CACHE, view=True, views=2, lanes=2, data_width=64),
 }
 
 

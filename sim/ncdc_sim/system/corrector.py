@@ -30,7 +30,8 @@ from ncdc_spec.registers.register_map import (
     registers,
 )
 
-__all__ = ["Simulation", "corrector_program", "simulate_correction", "tiles_fetched"]
+__all__ = ["Simulation", "corrector_program", "registers_of", "simulate_correction",
+           "tiles_fetched"]
 
 
 @dataclass(frozen=True)
@@ -113,7 +114,7 @@ def corrector_program(descriptor, hardware, checked=True, follow=False, colour=C
     of hardware that has it, and so is ``view``.
     """
     host = host_values(descriptor, hardware, follow=follow, colour=colour, view=view)
-    rows = _rows(descriptor, hardware)
+    rows = registers_of(descriptor, hardware)
     writes = [(rows[name].address, value)
               for name, value in host.items()]
     writes += table_words(descriptor.valid)
@@ -141,7 +142,7 @@ def _follow(result):
             "follow_early_reads": result.counters["early_reads"]}
 
 
-def _rows(descriptor, hardware):
+def registers_of(descriptor, hardware):
     """The registers by name."""
     return {r.name: r for r in registers(descriptor.hidden_neurons, descriptor.formats,
                                          colour=hardware.colour,
@@ -213,7 +214,7 @@ def simulate_correction(descriptor, raw, hardware=Hardware(), *, verilog=None, f
     shown, expected = stored, finished
     if not hardware.stream:
         shown, expected = stored_picture(stored, form), stored_bytes(finished, form)
-    rows = _rows(descriptor, hardware)
+    rows = registers_of(descriptor, hardware)
     return Simulation(
         picture=shown, golden=finished, stored=stored, expected=expected, blank=golden.blank,
         counters={name: result.registers[rows[name].address] for name in COUNTERS},

@@ -14,11 +14,12 @@ from ncdc_sim.tools import SimulationError
 from ncdc_sim.waves import Waves, build_options, recorded
 from ncdc_spec.errors import InputError
 
-__all__ = ["Camera", "FrameResult", "Program", "Run", "simulate_frame"]
+__all__ = ["UNWRITTEN", "Camera", "FrameResult", "Program", "Run", "simulate_frame"]
 
 TOP = "ncdc"
 BENCH = ("frame_bench.v", "avalon_checker.v", "stream_checker.v")
 MODEL = ("avalon_memory.v", "dram_timing.v")
+UNWRITTEN = 0xA5                # bytes of the output that nothing has written
 MIN_MEMORY = 1 << 24          # bytes; more frame sizes share one build
 PROGRAM_LIMIT = 65536           # operations that the bench holds
 

@@ -9,6 +9,7 @@ from ncdc_sim.system.frame import Program, simulate_frame
 from ncdc_spec.frames import FrameAddresses, frame_bytes, output_format, raw_image
 from ncdc_spec.registers.host_values import address_values, host_values
 from ncdc_spec.registers.register_map import CTRL_ABORT, STATUS_DONE, TABLE
+from ncdc_spec.view_list import ENTRY_WORDS, entry_register
 from simulations.series import aligned, begin, differing, output_bytes
 
 __all__ = ["FuzzResult", "simulate_register_fuzz"]
@@ -60,7 +61,7 @@ def simulate_register_fuzz(corrector, verilog, raw, frames, *, seed=1, **options
     stream, form = hardware.stream, output_format(hardware.format)
     table = {r.name: r for r in corrector.registers.table}
     rows = {name: r.address for name, r in table.items()}
-    right = host_values(d, hardware)
+    right = host_values(d, hardware) | _further_views(d, hardware)
     pitch = right["SOURCE_PITCH"]
     image = raw_image(raw, pitch)
     size = frame_bytes(d.geometry, form)
@@ -88,6 +89,14 @@ def simulate_register_fuzz(corrector, verilog, raw, frames, *, seed=1, **options
     faults = tuple(value for address, value in result.reads if address == rows["FAULT"])
     wrong = differing(result.output, begins, len(begins) * [golden], stream, form)
     return FuzzResult(wrong, result.counters["outside_bytes"], faults)
+
+
+def _further_views(descriptor, hardware):
+    """Values of all other entries of a list of views, by name: each once more the first one."""
+    first = host_values(descriptor, hardware)
+    return {"VIEWS": hardware.views} | {
+        entry_register(k, word): first.get(name, 0) for k in range(1, hardware.views)
+        for word, name in ENTRY_WORDS.items()} if hardware.views else {}
 
 
 def _max_bytes(corrector, frames):

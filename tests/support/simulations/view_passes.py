@@ -6,7 +6,7 @@ import numpy as np
 
 from ncdc_hdl.export.drivers.lenses import Lens
 from ncdc_model.golden.view_list import compose
-from ncdc_sim.system.frame import Program, simulate_frame
+from ncdc_sim.system.frame import UNWRITTEN, Program, simulate_frame
 from ncdc_spec.frames import OUTPUT_FORMATS, raw_image
 from ncdc_spec.registers.register_map import (
     STATUS_BANK,
@@ -19,8 +19,6 @@ from simulations.series import aligned, begin
 from views import random_view
 
 __all__ = ["PassResult", "random_entries", "simulate_passes"]
-
-_POISON = 0xA5          # of the bench: bytes that nothing has written
 
 
 @dataclass(frozen=True)
@@ -77,7 +75,7 @@ def simulate_passes(corrector, verilog, cameras, lists, **options):
     program.compare(rows["FRAMES"], len(lists)).compare(rows["FAULT"], 0)
     result = simulate_frame(verilog, content, program, source_base=0, output_base=starts[0],
                             output_bytes=starts[-1] - starts[0], **options)
-    expected = np.full(starts[-1] - starts[0], _POISON, np.uint8)
+    expected = np.full(starts[-1] - starts[0], UNWRITTEN, np.uint8)
     for k, entries in enumerate(lists):
         compose(*cameras[k % len(cameras)], entries, expected[starts[k] - starts[0]:])
     wrong = np.frombuffer(result.output, np.uint8) != expected
