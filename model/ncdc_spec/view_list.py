@@ -8,7 +8,8 @@ from ncdc_spec.geometry import check_strip_width
 from ncdc_spec.view import VIEW_REGISTERS, View
 
 __all__ = ["ENTRY_WORDS", "MAX_VIEWS", "OFFSET", "ONE_VIEW", "PITCH", "PITCH_BITS", "Entry",
-           "buffer_bytes", "check_entries", "entry_register", "list_values", "placed", "quad"]
+           "buffer_bytes", "check_entries", "check_largest", "entry_register", "list_values",
+           "placed", "quad"]
 
 MAX_VIEWS = 8
 PITCH_BITS = 16
@@ -135,6 +136,15 @@ def check_entries(entries, hardware, geometry):
                              f"pixels per clock need a multiple of {hardware.lanes}")
         check_strip_width(entry.strip or 0)
         check_format(entry.form, geometry)
+
+
+def check_largest(entries, largest):
+    """Raise :class:`InputError` if a view is beyond the ``largest`` (width, height) of the
+    hardware, that of its register LARGEST."""
+    for k, entry in enumerate(entries):
+        if any(side > limit for side, limit in zip(entry.view.size, largest)):
+            raise InputError(f"view {k} has {entry.view.size[0]}x{entry.view.size[1]} pixels, the "
+                             f"hardware makes up to {largest[0]}x{largest[1]}")
 
 
 def list_values(entries, hardware, geometry):

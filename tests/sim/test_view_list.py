@@ -9,8 +9,18 @@ import pytest
 from cameras import barrel_descriptor
 from ncdc_hdl.corrector import Corrector
 from ncdc_hdl.export.verilog import verilog_of
+from ncdc_spec.frames import BGR8
 from ncdc_spec.hardware import Hardware
-from simulations.view_passes import random_entries, simulate_passes
+from ncdc_spec.registers.register_map import (
+    FAULT_ALIGNMENT,
+    FAULT_FORMAT,
+    FAULT_SIZE,
+    FAULT_TARGET,
+)
+from ncdc_spec.view_list import placed
+from simulations.register_fuzz import simulate_register_fuzz
+from simulations.view_passes import random_entries, simulate_passes, simulate_wrong_lists
+from views import random_view
 
 FOCAL = 25      # pixels of the trained pictures
 
@@ -38,7 +48,11 @@ def random_lists(corrector, pair, passes, seed=3):
 
 
 @pytest.mark.longer
-@pytest.mark.parametrize("settings,passes", [(dict(views=3), 8)])
+@pytest.mark.parametrize("settings,passes", [
+    (dict(views=3), 8),
+    *(pytest.param(*case, marks=pytest.mark.regress) for case in (
+        (dict(views=8, data_width=128, lanes=4), 60),
+        (dict(views=4, data_width=64, lanes=2, share=2), 60)))])
 def test_another_lens_and_list_with_every_pass(settings, passes):
     pair, (corrector, verilog) = cameras(), built(**settings)
     lists = random_lists(corrector, pair, passes)
@@ -46,3 +60,43 @@ def test_another_lens_and_list_with_every_pass(settings, passes):
     assert result.differing == (0,) * passes and result.outside == 0
     assert result.pixels == tuple(sum(entry.view.size[0] * entry.view.size[1] for entry in entries)
                                   for entries in lists)
+
+
+@pytest.mark.longer
+def test_what_a_list_must_not_hold_is_rejected_view_by_view():
+    """The other views of the pass are made, nothing is written outside, and FAULT has the reason.
+    """
+    camera, (corrector, verilog) = cameras()[0], built(views=3)
+    geometry, word = camera[0].geometry, corrector.hardware.data_width // 8
+    views = [random_view(np.random.default_rng(k), geometry, FOCAL, size)
+             for k, size in enumerate(((16, 8), (8, 12), (24, 9)))]
+    entries = placed(views, [(0, 0), (16, 0), (0, 12)], (24, 21), BGR8)
+    row, every = entries[1].row_bytes, (0, 1, 2)
+    cases = [
+        ({}, every, 0), ({"VIEWS": 0}, (), FAULT_SIZE), ({"VIEWS": 4}, (), FAULT_SIZE),
+        ({"VIEWS": 1}, (0,), 0), ({"VIEW1_WIDTH": 7}, (0, 2), FAULT_SIZE),
+        ({"VIEW0_HEIGHT": 4097}, (1, 2), FAULT_SIZE), ({"VIEW2_STRIP": 33}, (0, 1), FAULT_SIZE),
+        ({"VIEW1_PITCH": row - word}, (0, 2), FAULT_SIZE),
+        ({"VIEW1_PITCH": 73}, (0, 2), FAULT_ALIGNMENT),
+        ({"VIEW1_OFFSET": 50}, (0, 2), FAULT_ALIGNMENT),
+        ({"VIEW1_FORMAT": 3}, (0, 2), FAULT_FORMAT),
+        ({"VIEW1_OFFSET": 1 << 20}, (0, 2), FAULT_TARGET),
+        # Offsets that count modulo 2**32: before the buffer, and so far that it begins anew.
+        ({"VIEW1_OFFSET": (1 << 32) - 64}, (0, 2), FAULT_TARGET),
+        ({"VIEW1_OFFSET": (1 << 32) - 4096}, (0, 2), FAULT_TARGET),
+        ({"VIEW2_FORMAT": 0}, (0, 1), FAULT_SIZE), ({}, every, 0)]
+    differing, outside = simulate_wrong_lists(corrector, verilog, camera, entries, cases)
+    assert differing == (0,) * len(cases) and outside == 0
+
+
+@pytest.mark.longer
+def test_nonsense_lists_write_nothing_outside_and_never_hang():
+    """Every second pass has up to four registers of any value: numbers of views, sizes, offsets,
+    pitches. Half of these are aborted. The pass after it is right."""
+    (_, raw), (corrector, verilog) = cameras()[0], built(views=3)
+    result = simulate_register_fuzz(corrector, verilog, raw, 60, memory="fixed:9:4",
+                                    clock_limit=200_000 * 60)
+    assert result.differing == (0,) * 60 and result.outside == 0
+    faults = np.array(result.faults)
+    for bit in (FAULT_TARGET, FAULT_ALIGNMENT, FAULT_SIZE):
+        assert (faults & bit != 0).sum() > 3

@@ -12,7 +12,7 @@ from ncdc_sim.system.frame import UNWRITTEN, Program, Run, simulate_frame
 from ncdc_spec.frames import FrameAddresses, raw_image, stored_picture
 from ncdc_spec.registers.host_values import host_values, table_words
 from ncdc_spec.registers.register_map import COUNTERS, CTRL_COMMIT, CTRL_START
-from ncdc_spec.view_list import ENTRY_WORDS, buffer_bytes, list_values
+from ncdc_spec.view_list import ENTRY_WORDS, buffer_bytes, check_largest, list_values
 
 __all__ = ["list_program", "simulate_view_list"]
 
@@ -72,6 +72,7 @@ def simulate_view_list(descriptor, raw, hardware, entries, size, *, memory="sdra
     """
     check_raw(raw, descriptor.geometry)
     corrector = Corrector(descriptor, hardware)
+    check_largest(entries, corrector.table.largest)
     hardware, form = corrector.hardware, entries[0].form
     width, height = size
     pixels = (height, width, form.pixel_bytes)

@@ -9,6 +9,8 @@ from ncdc_model.golden.view_list import compose
 from ncdc_sim.system.frame import UNWRITTEN, Program, simulate_frame
 from ncdc_spec.frames import OUTPUT_FORMATS, raw_image
 from ncdc_spec.registers.register_map import (
+    FAULT_TARGET,
+    STATUS_ABORTED,
     STATUS_BANK,
     STATUS_BUSY,
     STATUS_DONE,
@@ -18,7 +20,8 @@ from ncdc_spec.view_list import Entry, buffer_bytes, list_values
 from simulations.series import aligned, begin
 from views import random_view
 
-__all__ = ["PassResult", "random_entries", "simulate_passes"]
+__all__ = ["PassResult", "random_entries", "simulate_passes",
+           "simulate_wrong_lists"]
 
 
 @dataclass(frozen=True)
@@ -85,14 +88,59 @@ def simulate_passes(corrector, verilog, cameras, lists, **options):
         tuple(value for address, value in result.reads if address == rows["PIXELS"]))
 
 
-def _begin(program, rows, corrector, descriptor, entries, bank, addresses):
-    """Write a lens, a list of views and the ``addresses``; commit and start."""
+def simulate_wrong_lists(corrector, verilog, camera, entries, cases, **options):
+    """Make a pass of ``entries`` for each of ``cases``, with register values that are changed.
+
+    Parameters
+    ----------
+    corrector, verilog : Corrector, str
+    camera : (Descriptor, ndarray of uint8)
+    entries : sequence of Entry
+    cases : sequence of (dict, tuple of int, int)
+        Values by register name; numbers of the views that are made nevertheless; bits of FAULT.
+    options :
+        As of :func:`ncdc_sim.system.frame.simulate_frame`.
+
+    Returns
+    -------
+    (tuple of int, int)
+        Bytes of each pass's buffer that are not those of the golden model; bytes that were read or
+        written outside the frames.
+    """
+    rows = {r.name: r.address for r in corrector.registers.table}
+    descriptor, raw = camera
+    content = raw_image(raw, Lens.of(corrector, descriptor).values["SOURCE_PITCH"])
+    content = content.ljust(aligned(len(content)), b"\0")
+    size = buffer_bytes(entries, corrector.hardware.data_width)
+    starts = [len(content) + k * aligned(size) for k in range(len(cases) + 1)]
+    program = Program().write(rows["IRQ_ENABLE"], 1)
+    expected = np.full(starts[-1] - starts[0], UNWRITTEN, np.uint8)
+    for start, (changed, made, faults) in zip(starts, cases):
+        program.allow((0, len(content)), (start, start + size))
+        _begin(program, rows, corrector, descriptor, entries, 0, {
+            "SOURCE_BASE": 0, "SOURCE_LIMIT": len(content), "TARGET_BASE": start,
+            "TARGET_LIMIT": start + size}, changed)
+        program.wait_irq().compare(rows["FAULT"], faults).write(rows["FAULT"], 0xFF)
+        aborted = STATUS_ABORTED if faults & ~FAULT_TARGET else 0
+        program.compare(rows["STATUS"], STATUS_DONE | aborted).write(rows["STATUS"], STATUS_DONE)
+        for k in made:
+            compose(descriptor, raw, entries[k:k + 1], expected[start - starts[0]:])
+    result = simulate_frame(verilog, content, program, source_base=0, output_base=starts[0],
+                            output_bytes=len(expected), **options)
+    wrong = np.frombuffer(result.output, np.uint8) != expected
+    return (tuple(int(wrong[start - starts[0]:][:aligned(size)].sum()) for start in starts[:-1]),
+            result.counters["outside_bytes"])
+
+
+def _begin(program, rows, corrector, descriptor, entries, bank, addresses, changed=None):
+    """Write a lens, a list of views, the ``addresses`` and what is ``changed``; commit and start.
+    """
     lens = Lens.of(corrector, descriptor)
     program.write(rows["VALID_WINDOW"], bank)
     for row, value in enumerate(lens.valid_rows):
         program.write(TABLE + row, value)
     begin(program, rows, lens.values | addresses | {"VALID_BANK": bank} | list_values(
-        entries, corrector.hardware, descriptor.geometry))
+        entries, corrector.hardware, descriptor.geometry) | (changed or {}))
 
 
 def random_entries(rng, geometry, focal, hardware, count):
