@@ -9,15 +9,22 @@ import pytest
 from cameras import barrel_descriptor
 from ncdc_hdl.corrector import Corrector
 from ncdc_hdl.export.verilog import verilog_of
+from ncdc_hdl.system import System
+from ncdc_model.golden.view_list import compose
+from ncdc_sim.sensor.verilog import Light
+from ncdc_sim.system.running import running
 from ncdc_spec.frames import BGR8
 from ncdc_spec.hardware import Hardware
 from ncdc_spec.registers.register_map import (
+    CTRL_COMMIT,
     FAULT_ALIGNMENT,
     FAULT_FORMAT,
     FAULT_SIZE,
     FAULT_TARGET,
 )
-from ncdc_spec.view_list import placed
+from ncdc_spec.sensors.catalogue import sensor_named, setup
+from ncdc_spec.sensors.sensor import Settings
+from ncdc_spec.view_list import list_values, placed, quad
 from simulations.register_fuzz import simulate_register_fuzz
 from simulations.view_passes import random_entries, simulate_passes, simulate_wrong_lists
 from views import random_view
@@ -100,3 +107,39 @@ def test_nonsense_lists_write_nothing_outside_and_never_hang():
     faults = np.array(result.faults)
     for bit in (FAULT_TARGET, FAULT_ALIGNMENT, FAULT_SIZE):
         assert (faults & bit != 0).sum() > 3
+
+
+SIZE = 64, 24       # pixels of the sensor's frames and of the quad
+
+
+@pytest.mark.longer
+def test_a_running_camera_makes_quads_of_one_raw_frame_each():
+    """Another list comes while frames run: each picture is of one list and one raw frame."""
+    descriptor = replace(barrel_descriptor(SIZE, SIZE, 2, strength=.4), nodes=8)
+    system = System(descriptor, Hardware(data_width=64, view=True, views=4))
+    rng, sensor = np.random.default_rng(5), sensor_named("mt9p031")
+    views = [random_view(rng, descriptor.geometry, 40, (32, 12)) for _ in range(8)]
+    lists = [quad(views[:4]), quad(views[4:])]
+    values = [list_values(entries, system.corrector.hardware, descriptor.geometry)
+              | {"CTRL": CTRL_COMMIT} for entries in lists]
+    light = Light(rng.integers(0, 4096, (6, *SIZE[::-1]), dtype=np.uint16))
+    asked = setup(sensor, Settings(*SIZE, exposure_us=100, clock_hz=sensor.pixel_clock_hz))
+    seen = []
+    with running(system, asked, light, registers=values[0] | {"RUN_FOLLOW": 1}) as camera:
+        host = camera.host
+        host.camera.listen("CORRECTED_FRAME", "CORRECTED_BAD")
+        for k in range(4):
+            assert host.live.wait_irq(20 * camera.frame_clocks + 1_000_000)
+            assert "CORRECTED_FRAME" in host.camera.events()
+            frame = host.claim()
+            picture = np.frombuffer(frame.data, np.uint8)
+            made = [compose(descriptor, camera.sent(frame.number), entries) for entries in lists]
+            [which] = [n for n, one in enumerate(made) if (picture[:one.size] == one).all()]
+            seen.append((frame.number, which))
+            host.camera.release(0)
+            if k == 1:
+                host.camera.put(**values[1])
+        assert host.get("VIEWS_STATE") & 0xF == 4
+        assert [host.get(name) for name in ("RAW_ENDED_BAD", "CORRECTED_ENDED_BAD")] == [0, 0]
+    numbers, which = zip(*seen)
+    assert sorted(set(numbers)) == list(numbers) and which[:2] == (0, 0) and which[-1] == 1
