@@ -14,6 +14,7 @@ from ncdc.cli.sequence import (
     listed,
 )
 from ncdc.cli.view_angles import add_stabilisation, add_view, view_of
+from ncdc.cli.view_list import ViewsFile, add_view_list, check_alone
 from ncdc.terminal import Progress, percent, say
 from ncdc_model.correction import MODELS, coloured, correct, default_model
 from ncdc_model.images import check_suffix, is_film, write_image
@@ -52,7 +53,9 @@ def add_arguments(parser) -> None:
                       help="of a camera of this PC (default: until Ctrl-C)")
     film.add_argument("--fps", type=float, default=30.0, metavar="F",
                       help="frames per second of raw frames on standard input (default: 30)")
-    add_view(parser.add_argument_group("view"))
+    view = parser.add_argument_group("view")
+    add_view(view)
+    add_view_list(view)
     add_stabilisation(parser.add_argument_group("stabilisation of a film"))
     add_colour(parser.add_argument_group("colour"))
     add_samples(parser.add_argument_group("samples of the file"))
@@ -62,6 +65,8 @@ def add_arguments(parser) -> None:
 def run(args) -> None:
     """Correct, write, report."""
     images = listed(args.image)
+    if args.view_list is not None:
+        return _correct_views(args, images)
     if images == ["-"]:
         return correct_stream(args)
     for path in images:
@@ -109,3 +114,21 @@ def _correct_one(args, path):
               f"{share:.1f} % without a source")
         if colour:
             print(colour_line(args, colour))
+
+
+def _correct_views(args, images):
+    """Several views of one raw frame in one picture."""
+    check_suffix(args.output)
+    check_alone(args, ("--gyro", args.gyro))
+    if len(images) > 1 or images == ["-"] or is_pc_camera(images[0]) or is_film(images[0]):
+        raise InputError(f"--view-list is given with {args.image[0]}, it takes one picture")
+    descriptor, views = Descriptor.load(args.descriptor), ViewsFile.load(args.view_list)
+    raw, note = raw_frame(images[0], descriptor.geometry, args.raw, args.bits)
+    model = args.model or default_model(say)
+    write_image(args.output, views.picture(descriptor, raw, model))
+    if note:
+        print(note, file=sys.stderr)
+    report = {"hidden_neurons": descriptor.hidden_neurons, "views": len(views.views),
+              "pixels": views.size[0] * views.size[1], "model": model}
+    if not write_report(report, args.json):
+        print(f"{args.output}: {len(views.views)} views in {views.size[0]}x{views.size[1]} pixels")

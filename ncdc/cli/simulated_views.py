@@ -5,13 +5,11 @@ from dataclasses import replace
 
 from ncdc.cli.common import raw_frame, write_report
 from ncdc.cli.hardware import fixed_of, hardware_of, planned
-from ncdc.cli.view_angles import view_options
-from ncdc.cli.view_list import ViewsFile
+from ncdc.cli.view_list import ViewsFile, check_alone
 from ncdc.cli.waves import waves_of
 from ncdc.terminal import Progress
 from ncdc_model.images import write_image
 from ncdc_sim.system.view_list import simulate_view_list
-from ncdc_spec.errors import InputError
 from ncdc_spec.frames import output_format
 
 __all__ = ["run_views"]
@@ -21,14 +19,8 @@ _MIN_VIEWS = 2          # of hardware with a list
 
 def run_views(args, descriptor):
     """Simulate, compare, write, report; 1 if a pixel differs."""
-    for option, given in (("--camera", args.sensor), ("--follow", args.follow or None),
-                          ("--line-clocks", args.line_clocks), ("--tone", args.tone),
-                          ("--crest", None if args.crest == "off" else args.crest),
-                          ("--white-balance", args.white_balance),
-                          ("--raw-balance", args.raw_balance), ("--matrix", args.matrix),
-                          *view_options(args)):
-        if given is not None:
-            raise InputError(f"{option} is given with --view-list, which does not take it")
+    check_alone(args, ("--camera", args.sensor), ("--follow", args.follow or None),
+                ("--line-clocks", args.line_clocks), ("--matrix", args.matrix))
     views = ViewsFile.load(args.view_list)
     hardware = hardware_of(args)
     entries = views.entries(descriptor, output_format(hardware.format))

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ncdc.cli.view_angles import view_options
 from ncdc_model.correction import correct
 from ncdc_model.golden.view_list import compose
 from ncdc_spec.errors import InputError, reading
@@ -14,7 +15,7 @@ from ncdc_spec.geometry import MAX_SIZE, MIN_SIZE
 from ncdc_spec.view_list import MAX_VIEWS, PITCH_BITS, placed
 from ncdc_spec.view_matrix import LIMITS, Angles, PlaneCamera
 
-__all__ = ["ViewsFile", "add_view_list"]
+__all__ = ["ViewsFile", "add_view_list", "check_alone"]
 
 _SIDES = "width", "height"
 _CORNER = "column", "row"
@@ -28,6 +29,17 @@ def add_view_list(parser):
                         help="several views in one picture, of a TOML file: its width and height, "
                              "and of each [[view]] column, row, width, height, pan, tilt, roll and "
                              "zoom")
+
+
+def check_alone(args, *more):
+    """Raise :class:`InputError` if an option is given that --view-list does not take: those of
+    colour and of one view, and ``more`` of (option, value or None)."""
+    for option, given in (("--tone", args.tone), ("--crest", args.crest if args.crest != "off"
+                                                   else None),
+                          ("--white-balance", args.white_balance),
+                          ("--raw-balance", args.raw_balance), *view_options(args), *more):
+        if given is not None:
+            raise InputError(f"{option} is given with --view-list, which does not take it")
 
 
 @dataclass(frozen=True)
@@ -76,11 +88,15 @@ class ViewsFile:
         return placed([camera.looking(angles, size) for angles, _, size in self.views],
                       [corner for _, corner, _ in self.views], self.size, form)
 
-    def picture(self, descriptor, raw):
-        """The picture of a ``raw`` frame, uint8 RGB; pixels of no view are black."""
+    def picture(self, descriptor, raw, model=None):
+        """The picture of a ``raw`` frame, uint8 RGB; pixels of no view are black.
+
+        ``model``: as of :func:`ncdc_model.correction.correct`.
+        """
         width, height = self.size
         stored = np.zeros((height, width, BGRX8.pixel_bytes), np.uint8)
-        compose(descriptor, raw, self.entries(descriptor), stored.reshape(-1), correct)
+        compose(descriptor, raw, self.entries(descriptor), stored.reshape(-1), correct,
+                model=model)
         return stored_picture(stored)
 
 
@@ -91,13 +107,21 @@ def _view(number, table):
     _check_names(table, what, (*_CORNER, *_SIDES, *LIMITS))
     corner = tuple(_whole(table, name, 0, MAX_VIEWS * MAX_SIZE, 0) for name in _CORNER)
     size = tuple(_whole(table, name, MIN_SIZE, MAX_SIZE) for name in _SIDES)
-    return Angles(**{name: float(table[name]) for name in LIMITS if name in table}), corner, size
+    return Angles(**{name: _real(table, name) for name in LIMITS if name in table}), corner, size
 
 
 def _check_names(table, what, known):
     for name in table:
         if name not in known:
             raise InputError(f"{what} has the value {name}, {', '.join(known)} are known")
+
+
+def _real(table, name):
+    """The number ``name`` of a table."""
+    value = table[name]
+    if type(value) not in (int, float):
+        raise InputError(f"{name} is {value!r}, a number is needed")
+    return float(value)
 
 
 def _whole(table, name, low, high, default=None):

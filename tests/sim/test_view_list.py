@@ -10,9 +10,12 @@ from cameras import barrel_descriptor
 from ncdc_hdl.corrector import Corrector
 from ncdc_hdl.export.verilog import verilog_of
 from ncdc_hdl.system import System
+from ncdc_model.correction import correct
 from ncdc_model.golden.view_list import compose
 from ncdc_sim.sensor.verilog import Light
 from ncdc_sim.system.running import running
+from ncdc_sim.system.view_list import simulate_view_list
+from ncdc_spec.errors import InputError
 from ncdc_spec.frames import BGR8
 from ncdc_spec.hardware import Hardware
 from ncdc_spec.registers.register_map import (
@@ -67,6 +70,28 @@ def test_another_lens_and_list_with_every_pass(settings, passes):
     assert result.differing == (0,) * passes and result.outside == 0
     assert result.pixels == tuple(sum(entry.view.size[0] * entry.view.size[1] for entry in entries)
                                   for entries in lists)
+
+
+@pytest.mark.longer
+def test_views_in_one_picture():
+    """A detail covers a part of an overview; the rest of the picture is not touched."""
+    descriptor, raw = cameras()[0]
+    rng, form = np.random.default_rng(6), BGR8
+    views = [random_view(rng, descriptor.geometry, FOCAL, size) for size in ((40, 20), (12, 9))]
+    entries = placed(views, [(4, 2), (28, 4)], (48, 25), form)
+    hardware = Hardware(view=True, views=3)
+    result = simulate_view_list(descriptor, raw, hardware, entries, (48, 25), memory="ideal")
+    assert result.differing == [] and result.bytes_outside == 0
+    assert result.counters["FETCHES"] == result.fetches_expected
+    assert result.counters["PIXELS"] == 40 * 20 + 12 * 9
+    assert result.blank.sum() == 48 * 25 - 40 * 20
+    overview = correct(descriptor, raw, view=views[0]).picture
+    detail = correct(descriptor, raw, view=views[1]).picture
+    overview[2:11, 24:36] = detail
+    assert (result.picture[2:22, 4:44] == overview).all() and not result.picture[23:].any()
+    with pytest.raises(InputError, match="view 0 has 64x20 pixels, the hardware makes up to 63x32"):
+        simulate_view_list(descriptor, raw, hardware, placed(
+            [random_view(rng, descriptor.geometry, FOCAL, (64, 20))], [(0, 0)], (64, 20)), (64, 20))
 
 
 @pytest.mark.longer
