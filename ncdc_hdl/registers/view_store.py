@@ -60,8 +60,8 @@ class ViewStore(wiring.Component):
         All of them have come.
     """
 
-    load_clocks = _WORDS + _READ + 2
-    """Clocks of ``load``."""
+    load_clocks = _WORDS + _READ + 1
+    """Clocks of ``load``, that of ``loaded`` included."""
 
     def __init__(self, rows, values, views):
         self.rows, self.values, self.views = rows, values, views

@@ -9,6 +9,7 @@ from amaranth.lib import wiring
 
 from ncdc_hdl.frontend.valid import ValidTable
 from ncdc_hdl.registers.agent import Registers
+from ncdc_hdl.registers.view_store import ViewStore
 from ncdc_spec.hardware import Hardware
 from ncdc_spec.registers.host_values import host_values
 from ncdc_spec.registers.register_map import (
@@ -183,6 +184,22 @@ def test_a_number_of_views_beyond_its_limits_has_one(count, views):
             assert await driver.read("STATUS") == STATUS_BUSY
             await end_frame(ctx, dut.registers)
         assert await driver.read("STATUS") == STATUS_DONE
+
+    run(bench)
+
+
+def test_the_clocks_of_a_load():
+    async def bench(ctx, dut, driver):
+        await driver.write("VIEWS", 2)
+        await driver.write("CTRL", CTRL_COMMIT | CTRL_START)
+        await driver.begins()
+        await wait(ctx, 100)
+        await end_frame(ctx, dut.registers)
+        clocks = 0
+        while not ctx.get(dut.registers.begin):
+            await ctx.tick()
+            clocks += 1
+        assert clocks == ViewStore.load_clocks
 
     run(bench)
 

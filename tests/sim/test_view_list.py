@@ -27,7 +27,7 @@ from ncdc_spec.registers.register_map import (
 )
 from ncdc_spec.sensors.catalogue import sensor_named, setup
 from ncdc_spec.sensors.sensor import Settings
-from ncdc_spec.view_list import list_values, placed, quad
+from ncdc_spec.view_list import Entry, list_values, placed, quad
 from simulations.register_fuzz import simulate_register_fuzz
 from simulations.view_passes import random_entries, simulate_passes, simulate_wrong_lists
 from views import random_view
@@ -92,6 +92,17 @@ def test_views_in_one_picture():
     with pytest.raises(InputError, match="view 0 has 64x20 pixels, the hardware makes up to 63x32"):
         simulate_view_list(descriptor, raw, hardware, placed(
             [random_view(rng, descriptor.geometry, FOCAL, (64, 20))], [(0, 0)], (64, 20)), (64, 20))
+
+
+@pytest.mark.longer
+def test_two_cameras_side_by_side():
+    """Two starts, each with its own lens and raw frame, make the halves of one picture."""
+    pair, (corrector, verilog) = cameras(), built(views=3)
+    rng = np.random.default_rng(7)
+    halves = [(Entry(random_view(rng, d.geometry, FOCAL, (24, 16)), 96 * k, 192),)
+              for k, (d, _) in enumerate(pair)]
+    result = simulate_passes(corrector, verilog, pair, halves, together=True)
+    assert result.differing[-1] == 0 and result.outside == 0 and result.pixels == (384, 384)
 
 
 @pytest.mark.longer

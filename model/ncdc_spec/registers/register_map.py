@@ -339,7 +339,7 @@ _LIST_CONTROL = (
             Flag("MAX", 0xF, "ro", "most views that a start makes; 0: there is no list of views"),
             Flag("DONE", 0xF00, "ro", "views that are complete, of the start that runs, or of the "
                  "last one"), access="ro"))
-_PLACES = (
+_POSITION = (
     Register(OFFSET, 0, "shadow", Bits(ADDRESS_BITS), "bytes from `TARGET_BASE` to its first "
              "pixel, a multiple of the memory word"),
     Register(PITCH, 0, "shadow", Bits(PITCH_BITS), "bytes from row to row, a multiple of the "
@@ -382,7 +382,7 @@ def _numbered(name, text, j, address, q, parameter):
 
 def _list_registers(views):
     """The number of ``views``, and the registers of as many entries."""
-    rows = {row.name: row for row in (*_FIXED, *_VIEWS, *_PLACES)}
+    rows = {row.name: row for row in (*_FIXED, *_VIEWS, *_POSITION)}
     for k in range(views):
         for number, (word, name) in enumerate(ENTRY_WORDS.items()):
             text = "View {}: " + (rows[name].text if name in (OFFSET, PITCH) else f"its `{name}`")

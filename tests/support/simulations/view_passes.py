@@ -31,7 +31,8 @@ class PassResult:
     Parameters
     ----------
     differing : tuple of int
-        Bytes of each pass's buffer that are not those of the golden model.
+        Bytes of each pass's buffer that are not those of the golden model. If all passes have one
+        buffer, the last number is of that.
     outside : int
         Bytes that any pass read or wrote outside its buffers.
     pixels : tuple of int
@@ -42,7 +43,7 @@ class PassResult:
     pixels: tuple
 
 
-def simulate_passes(corrector, verilog, cameras, lists, **options):
+def simulate_passes(corrector, verilog, cameras, lists, together=False, **options):
     """Make a pass of each of ``lists``, the cameras taking turns, each started while the last one
     runs.
 
@@ -52,6 +53,8 @@ def simulate_passes(corrector, verilog, cameras, lists, **options):
     cameras : sequence of (Descriptor, ndarray of uint8)
         Each with its raw frame.
     lists : sequence of sequence of Entry
+    together : bool
+        Whether all passes write to one buffer, each its part of it.
     options :
         As of :func:`ncdc_sim.system.frame.simulate_frame`.
     """
@@ -63,6 +66,8 @@ def simulate_passes(corrector, verilog, cameras, lists, **options):
         content += image.ljust(aligned(len(image)), b"\0")
     sizes = [buffer_bytes(entries, corrector.hardware.data_width) for entries in lists]
     starts = np.cumsum([len(content), *map(aligned, sizes)]).tolist()
+    if together:
+        starts = [len(content)] * len(lists) + [len(content) + max(map(aligned, sizes))]
     program = Program().allow((0, len(content)), (starts[0], starts[-1]))
     program.write(rows["IRQ_ENABLE"], 1)
     for k in range(len(lists) + 1):
