@@ -46,6 +46,7 @@ from ncdc_spec.registers.register_map import (
 from ncdc_spec.tone import NODE_POSITIONS
 from ncdc_spec.view import NAMES as VIEW_NAMES
 from ncdc_spec.view import PLANE_HEIGHT
+from ncdc_spec.view_rows import ROWS_BANK, ROWS_COUNT, ROWS_STEP
 
 __all__ = ["Corrector"]
 
@@ -129,11 +130,12 @@ class Corrector(wiring.Component):
         self.interpolator = Interpolator(f_bits, lanes, needs, hardware.colour,
                                          self.fetch.window_latency)
         rows = registers(descriptor.hidden_neurons, formats, descriptor.nodes, hardware.colour,
-                         hardware.raw_balance, hardware.view, hardware.views)
+                         hardware.raw_balance, hardware.view, hardware.views, hardware.view_rows)
         self.registers = Registers(
             rows, host_values(descriptor, self.hardware), digest=int(descriptor.digest[:8], 16),
             hidden_neurons=descriptor.hidden_neurons, nodes=descriptor.nodes,
             capabilities=capabilities(self.hardware, *self.table.largest, capture=runs),
+            view_rows=hardware.view_rows,
             in_memory=in_memory(rows, self.hardware),
             neurons=self.hardware.served(descriptor.hidden_neurons))
         self.checks = Checks(self.hardware, *self.table.largest,
@@ -371,6 +373,11 @@ class Corrector(wiring.Component):
                          for row, names in enumerate(VIEW_NAMES)
                          for column, name in enumerate(names)]
             m.d.comb += self.backmap.view.plane_height.eq(active[PLANE_HEIGHT])
+        if self.hardware.view_rows:
+            rows = self.backmap.rows
+            m.d.comb += [rows.count.eq(active[ROWS_COUNT]), rows.step.eq(active[ROWS_STEP]),
+                         rows.bank.eq(active[ROWS_BANK])]
+            wiring.connect(m, self.registers.row_writes, self.backmap.row_writes)
         if "phase" in self.fetch.signature.members:
             m.d.comb += self.fetch.phase.eq(active.BAYER_PHASE[:2])
         if "writes" in self.backmap.signature.members:

@@ -10,6 +10,7 @@ from ncdc_spec.interpolation import FAST
 from ncdc_spec.nodes import NODES, nodes_fit, row_nodes
 from ncdc_spec.view import check_view_nodes
 from ncdc_spec.view_list import MAX_VIEWS
+from ncdc_spec.view_rows import MAX_MATRICES, MIN_MATRICES
 
 __all__ = ["BUSES", "DATA_WIDTHS", "FETCHERS", "FORMATS", "HIDDEN", "LANES", "MULTIPLIER_BITS",
            "OUTPUTS", "VIDEOS", "Hardware", "check_lanes"]
@@ -25,6 +26,7 @@ BUSES = ("avalon", "axi")
 VIDEOS = ("plain", "vip")
 NODE_CLOCKS = 2         # that a node takes at least: its scan adds up the next one meanwhile
 VIEW_NODE_CLOCKS = 3    # with a view, whose scan adds up three coordinates in turn
+ROWS_NODE_CLOCKS = 6    # with a table, which gives them for two matrices in turn
 
 
 @dataclass(frozen=True)
@@ -72,6 +74,9 @@ class Hardware:
     views : int
         Most views of one raw frame that a start makes, 2 to 8, for hardware with a ``view`` and
         pixels in memory; 0: no list of views.
+    view_rows : int
+        Matrices of a view's :class:`~ncdc_spec.view_rows.RowTable` that there is space for; 0:
+        there is none.
     format : str
         Name of the ``OutputFormat`` of pixels in memory, after configuration.
     bus : str
@@ -86,7 +91,8 @@ class Hardware:
         If a value is none of the above, strips or a format are asked of a stream, the multiport
         fetcher is to give more than one pixel per clock or gains of raw samples, packets of
         Intel's suite are asked of anything but a stream of Avalon's with one pixel per clock, or
-        several views of hardware without a view, or of a stream.
+        several views of hardware without a view, or of a stream, or a table of matrices without
+        a view, beside a list of views, or of other than 2 to 64.
     """
     data_width: int = 32
     output: str = "memory"
@@ -102,6 +108,7 @@ class Hardware:
     raw_balance: bool = False
     view: bool = False
     views: int = 0
+    view_rows: int = 0
     format: str = BGRX8.name
     bus: str = BUSES[0]
     video: str = VIDEOS[0]
@@ -134,6 +141,19 @@ class Hardware:
             self._check_views()
         if self.video != VIDEOS[0]:
             self._check_video()
+        if self.view_rows:
+            self._check_rows()
+
+    def _check_rows(self):
+        """Reject a table of matrices without a view, or of a size that there is not."""
+        if not MIN_MATRICES <= self.view_rows <= MAX_MATRICES:
+            raise InputError(f"the view's table has {self.view_rows} matrices, the limits are "
+                             f"{MIN_MATRICES} and {MAX_MATRICES}")
+        if not self.view:
+            raise InputError(f"the view's table has {self.view_rows} matrices, it needs a view")
+        if self.views:
+            raise InputError(f"the view's table has {self.view_rows} matrices, hardware with a "
+                             f"list of {self.views} views has no table")
 
     def _check_views(self):
         """Reject a list of views of a wrong length, without a view, or of a stream."""
@@ -171,6 +191,8 @@ class Hardware:
     @property
     def min_node_clocks(self):
         """Clocks that a node takes at least."""
+        if self.view_rows:
+            return ROWS_NODE_CLOCKS
         return VIEW_NODE_CLOCKS if self.view else NODE_CLOCKS
 
     def cache_for(self, geometry):
@@ -303,7 +325,7 @@ class Hardware:
                 "share": self.share, "multiplier_bits": self.multiplier_bits,
                 "pixels_per_clock": self.lanes, "format": None if self.stream else self.format,
                 "colour": self.colour, "raw_balance": self.raw_balance, "view": self.view,
-                "views": self.views, "bus": self.bus,
+                "views": self.views, "view_rows": self.view_rows, "bus": self.bus,
                 "video": self.video if self.stream else None}
 
     def options(self, geometry):
@@ -319,6 +341,7 @@ class Hardware:
                 *(["--raw-gains"] if self.raw_balance else []),
                 *(["--view"] if self.view else []),
                 *([f"--views {self.views}"] if self.views else []),
+                *([f"--view-rows {self.view_rows}"] if self.view_rows else []),
                 *([f"--bus {self.bus}"] if self.axi else []),
                 *([f"--video {self.video}"] if self.video != VIDEOS[0] else [])]
 

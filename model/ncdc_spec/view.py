@@ -10,7 +10,8 @@ from ncdc_spec.geometry import MAX_SIZE, MIN_SIZE
 from ncdc_spec.nodes import AFTER, BEFORE, NODES
 
 __all__ = ["COLUMN", "DEPTH_SHIFTS", "FORMATS", "NAMES", "NODE", "NUMERATOR", "PLANE",
-           "PLANE_HEIGHT", "SUM_BITS", "VIEW_REGISTERS", "View", "check_view_nodes", "view_values"]
+           "PLANE_HEIGHT", "SUM_BITS", "VIEW_REGISTERS", "View", "check_view_nodes",
+           "rounded_matrix", "scale_of", "view_values"]
 
 _POSITION, _POSITION_STEP = Q(15, 17), Q(5, 27)
 _DEPTH, _DEPTH_STEP = Q(2, 30), Q(-3, 35)
@@ -69,6 +70,8 @@ class View:
         Row by row, raw in :data:`FORMATS`.
     size : (int, int)
         Width and height of the view's picture in pixels.
+    rows : RowTable, optional
+        Of a rolling shutter, see :mod:`ncdc_spec.view_rows`.
 
     Raises
     ------
@@ -77,6 +80,7 @@ class View:
     """
     matrix: tuple
     size: tuple
+    rows: object = None
 
     def __post_init__(self):
         for name, value in zip(("width", "height"), self.size):
@@ -109,25 +113,12 @@ class View:
             element is too large for its format at that depth.
         """
         matrix = np.asarray(matrix, np.float64)
-        if matrix.shape != (3, 3) or not np.isfinite(matrix).all():
-            raise InputError(f"the view's matrix is {matrix.tolist()}, 3x3 finite numbers are "
-                             f"needed")
-        limits = np.array([[q.real(q.hi) for q in row] for row in FORMATS])
-        with np.errstate(over="ignore", invalid="ignore"):
-            depth = np.abs(_depths(matrix, size)).max()
-        if not _DEPTHS[0] <= depth <= _DEPTHS[1]:
-            raise InputError(f"the largest depth of the view's matrix is {depth:g}, the limits are "
-                             f"{_DEPTHS[0]:g} and {_DEPTHS[1]:g}")
-        with np.errstate(divide="ignore", over="ignore"):
-            ratios = limits / np.abs(matrix)
-        ratio = min(ratios.min(), _MAX_DEPTH / depth)
-        if ratio * depth < _MIN_DEPTH:
-            row, column = np.unravel_index(ratios.argmin(), (3, 3))
-            raise InputError(f"the view's matrix has {matrix[row, column]:g} in row {row}, column "
-                             f"{column}, the limit is {limits[row, column] / _MIN_DEPTH:g} times "
-                             f"its largest depth of {depth:g}")
-        scale = 2.0**np.floor(np.log2(ratio))
-        return cls(_rounded(matrix * scale, size), tuple(map(int, size)))
+        return cls.scaled(matrix, size, scale_of(matrix, size))
+
+    @classmethod
+    def scaled(cls, matrix, size, scale):
+        """As :meth:`of`, with the factor ``scale`` of all elements."""
+        return cls(rounded_matrix(matrix * scale, size), tuple(map(int, size)))
 
     def geometry(self, trained):
         """The :class:`Geometry` ``trained`` with the size of the view's picture."""
@@ -140,6 +131,31 @@ class View:
                           (3, 3))
 
 
+def scale_of(matrix, size):
+    """The largest power of two by which a real ``matrix``, shape (3, 3), fits the registers.
+
+    See :meth:`View.of`, whose errors it raises.
+    """
+    if matrix.shape != (3, 3) or not np.isfinite(matrix).all():
+        raise InputError(f"the view's matrix is {matrix.tolist()}, 3x3 finite numbers are "
+                         f"needed")
+    limits = np.array([[q.real(q.hi) for q in row] for row in FORMATS])
+    with np.errstate(over="ignore", invalid="ignore"):
+        depth = np.abs(_depths(matrix, size)).max()
+    if not _DEPTHS[0] <= depth <= _DEPTHS[1]:
+        raise InputError(f"the largest depth of the view's matrix is {depth:g}, the limits are "
+                         f"{_DEPTHS[0]:g} and {_DEPTHS[1]:g}")
+    with np.errstate(divide="ignore", over="ignore"):
+        ratios = limits / np.abs(matrix)
+    ratio = min(ratios.min(), _MAX_DEPTH / depth)
+    if ratio * depth < _MIN_DEPTH:
+        row, column = np.unravel_index(ratios.argmin(), (3, 3))
+        raise InputError(f"the view's matrix has {matrix[row, column]:g} in row {row}, column "
+                         f"{column}, the limit is {limits[row, column] / _MIN_DEPTH:g} times "
+                         f"its largest depth of {depth:g}")
+    return 2.0**np.floor(np.log2(ratio))
+
+
 def _flat_formats():
     return [q for row in FORMATS for q in row]
 
@@ -150,15 +166,18 @@ def _depths(matrix, size):
     return np.array([matrix[2] @ (u, v, 1) for u in columns for v in (0, size[1] - 1)])
 
 
-def _rounded(matrix, size):
-    """Raw elements of ``matrix``; what the steps miss in the middle is added to the origins."""
+def rounded_matrix(matrix, size, formats=FORMATS):
+    """Raw elements of ``matrix`` in ``formats``, by default those of the registers.
+
+    What the steps miss in the middle of a picture of ``size`` is added to the origins.
+    """
     middle = np.array([(value - 1) // 2 for value in size])
     raw = []
-    for formats, row in zip(FORMATS, matrix):
-        steps = [int(q.quantise(value)) for q, value in zip(formats, row[:2])]
+    for own, row in zip(formats, matrix):
+        steps = [int(q.quantise(value)) for q, value in zip(own, row[:2])]
         missed = sum((value - q.real(step)) * at
-                     for q, value, step, at in zip(formats, row[:2], steps, middle))
-        raw += [*steps, int(formats[2].quantise(row[2] + missed))]
+                     for q, value, step, at in zip(own, row[:2], steps, middle))
+        raw += [*steps, int(own[2].quantise(row[2] + missed))]
     return tuple(raw)
 
 

@@ -56,7 +56,7 @@ def add_arguments(parser) -> None:
     view = parser.add_argument_group("view")
     add_view(view)
     add_view_list(view)
-    add_stabilisation(parser.add_argument_group("stabilisation of a film"))
+    add_stabilisation(parser.add_argument_group("stabilisation"))
     add_colour(parser.add_argument_group("colour"))
     add_samples(parser.add_argument_group("samples of the file"))
     add_json(parser)
@@ -87,7 +87,7 @@ def _correct_one(args, path):
     choice = colour_choice(args)
     descriptor = Descriptor.load(args.descriptor)
     chosen = view_of(args, descriptor)
-    view = chosen.fixed if chosen else None
+    view = chosen.at() if chosen else None
     raw, note = raw_frame(path, descriptor.geometry, args.raw, args.bits)
     model = args.model or default_model(say)
 

@@ -21,6 +21,7 @@ from ncdc_spec.hardware import (
 )
 from ncdc_spec.nodes import row_nodes
 from ncdc_spec.view_list import MAX_VIEWS
+from ncdc_spec.view_rows import MAX_MATRICES, MIN_MATRICES
 
 __all__ = ["add_bus", "add_fixed", "add_format", "add_hardware", "add_lanes",
            "add_view_registers", "choice_line", "fixed_of", "front_end_line", "hardware_of",
@@ -84,13 +85,16 @@ def add_hardware(parser):
 
 
 def add_view_registers(parser):
-    """Declare the options --view and --views."""
+    """Declare the options --view, --views and --view-rows."""
     parser.add_argument("--view", action="store_true",
                         help="with registers for the matrix of a view (pan, tilt, zoom, roll), "
                              "which changes no pixel until it is written; needs a network at nodes")
     parser.add_argument("--views", type=int, default=0, metavar="N",
                         help=f"with --view, a list of up to N views, 2 to {MAX_VIEWS}, that each "
                              "start makes of one raw frame, in parts of one picture in memory")
+    parser.add_argument("--view-rows", type=int, default=0, metavar="N",
+                        help=f"with a table of N matrices down the raw frame, {MIN_MATRICES} to "
+                             f"{MAX_MATRICES}, for a rolling shutter; needs --view")
 
 
 def add_bus(parser):
@@ -125,6 +129,7 @@ def hardware_of(args, board=None):
                     raw_balance=(getattr(args, "raw_gains", False)
                                  or getattr(args, "raw_balance", None) is not None),
                     view=getattr(args, "view", False), views=getattr(args, "views", 0),
+                    view_rows=getattr(args, "view_rows", 0),
                     bus=getattr(args, "bus", BUSES[0]), video=getattr(args, "video", VIDEOS[0]),
                     **{name: value for name, value in chosen.items() if value is not None})
 

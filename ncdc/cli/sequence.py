@@ -78,9 +78,12 @@ class _Sequence:
         """Frames per second so far."""
         return self.count / max(time.monotonic() - self._begin, 1e-9)
 
-    def picture(self, raw):
-        """The corrected picture of a raw frame; one white balance, the first frame's, for all."""
-        view = self.view.fixed if self.view else None
+    def picture(self, raw, seconds=0.0):
+        """The corrected picture of a raw frame that began at ``seconds``.
+
+        One white balance, the first frame's, is for all.
+        """
+        view = self.view.at(seconds) if self.view else None
 
         @cache
         def corrected_with(raw_gains):
@@ -120,6 +123,9 @@ def correct_files(args, paths):
             raise InputError(f"the output {target} would replace an input")
     if folder.exists() and not folder.is_dir():
         raise InputError(f"{folder} is no folder, several pictures need one")
+    if args.gyro is not None:
+        raise InputError(f"{paths[0]} and other files have no times, --gyro needs a film, raw "
+                         f"frames on standard input or one picture")
     sequence, progress, notes = _Sequence(args), Progress("correcting"), set()
     for path, target in zip(paths, targets):
         raw, note = raw_frame(path, sequence.descriptor.geometry, args.raw, args.bits)
@@ -175,7 +181,7 @@ def _film_change(args, name):
     geometry = sequence.descriptor.geometry
     if args.film == _MOSAIC:
         def change(picture, seconds):
-            return sequence.picture(mosaic(picture, geometry.bayer))
+            return sequence.picture(mosaic(picture, geometry.bayer), seconds)
     else:
         change = _remapping(sequence, _KERNELS[args.film])
 
@@ -234,7 +240,8 @@ def correct_stream(args):
                 say(f"the last frame is left out, it has {len(content)} of {dump.frame_bytes} "
                     f"bytes")
                 break
-            write(sequence.picture(dump.unpacked(content, "standard input", say)))
+            raw = dump.unpacked(content, "standard input", say)
+            write(sequence.picture(raw, sequence.count / args.fps))
             shown(f"{sequence.count} frames, {sequence.rate:.1f} per second")
     if not sequence.count:
         raise InputError("standard input holds no frame")

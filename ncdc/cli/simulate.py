@@ -24,6 +24,7 @@ from ncdc_spec.colour import Colour
 from ncdc_spec.descriptor import Descriptor
 from ncdc_spec.errors import InputError
 from ncdc_spec.interpolation import CRESTS
+from ncdc_spec.view_rows import MAX_MATRICES
 
 __all__ = ["EXAMPLE", "add_arguments", "difference", "run"]
 
@@ -82,7 +83,8 @@ def run(args) -> int | None:
     raw, note = raw_frame(args.image, descriptor.geometry, args.raw, args.bits)
     hardware = hardware_of(args)
     hardware = replace(hardware, colour=hardware.colour or has_gains(args),
-                       view=hardware.view or view is not None)
+                       view=hardware.view or view is not None,
+                       view_rows=hardware.view_rows or (MAX_MATRICES if view and view.rows else 0))
     hardware, _ = planned(hardware, fixed, descriptor)
     line = camera_line(args.line_clocks, descriptor.geometry) if args.follow else None
     colour = choice(lambda raw_gains: correct(

@@ -2,19 +2,21 @@
 
 import numpy as np
 
-from ncdc.cli.view_angles import add_view, view_of
+from ncdc.cli.view_angles import add_stabilisation, add_view, view_of
 from ncdc_spec.errors import InputError
 from ncdc_spec.view import View
+from ncdc_spec.view_rows import MAX_MATRICES
 
 __all__ = ["add_simulated_view", "simulated_view"]
 
 
 def add_simulated_view(parser):
-    """Declare the options --matrix, and those of :func:`~ncdc.cli.view_angles.add_view`."""
+    """Declare the options --matrix, and those of :mod:`ncdc.cli.view_angles`."""
     parser.add_argument("--matrix", type=float, nargs=9, metavar="H",
                         help="show a view: the matrix, row by row, from its pixels to those of the "
                              "trained picture; the hardware then has --view, as with angles")
     add_view(parser)
+    add_stabilisation(parser)
 
 
 def simulated_view(args, descriptor):
@@ -24,7 +26,7 @@ def simulated_view(args, descriptor):
     """
     chosen = view_of(args, descriptor)
     if args.matrix is None:
-        return chosen.fixed if chosen else None
+        return chosen.at(matrices=args.view_rows or MAX_MATRICES) if chosen else None
     if chosen:
         raise InputError("--matrix is given together with angles or a size of a view")
     if not np.isfinite(args.matrix).all():

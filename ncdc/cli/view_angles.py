@@ -9,6 +9,7 @@ from ncdc_model.view_map import view_map
 from ncdc_spec.errors import InputError
 from ncdc_spec.geometry import MAX_SIZE, MIN_SIZE
 from ncdc_spec.view_matrix import LIMITS, Angles, PlaneCamera, view_matrix
+from ncdc_spec.view_rows import MAX_MATRICES
 
 __all__ = ["add_stabilisation", "add_view", "view_of", "view_options"]
 
@@ -79,7 +80,7 @@ class ChosenView:
         Width and height in pixels.
     angles : Angles
     stabiliser : Stabiliser or None
-        Only films that are remapped in their colours are stabilised.
+        Holds the picture of a moving camera still.
     """
     def __init__(self, args, descriptor, angles):
         self._trained = trained = PlaneCamera.of(descriptor)
@@ -103,18 +104,24 @@ class ChosenView:
             self._still = view_map(self._descriptor, self.size, self._matrix)
         return self._still
 
-    @property
-    def fixed(self):
+    def at(self, seconds=0.0, matrices=MAX_MATRICES):
         """The :class:`~ncdc_spec.view.View` of the integer models.
+
+        Parameters
+        ----------
+        seconds : float
+            When the frame began, from the beginning of the film.
+        matrices : int
+            Most matrices of the table of a view that is held still.
 
         Raises
         ------
         InputError
-            If the film is to be stabilised, which they do not, or the numbers are beyond theirs.
+            If the numbers are beyond those of the integer models, or the gyroscope has no samples
+            of that time.
         """
         if self.stabiliser:
-            raise InputError("--gyro is given, it needs a film that is remapped in its colours "
-                             "(--film bilinear or lanczos)")
+            return self.stabiliser.row_view(seconds, matrices)
         return self._trained.looking(self.angles, self.size)
 
     @property

@@ -32,6 +32,8 @@ class HomogeneousScan(wiring.Component):
     ----------
     nodes : int
         S.
+    again : bool
+        Whether rows may be scanned again.
 
     Members
     -------
@@ -43,17 +45,19 @@ class HomogeneousScan(wiring.Component):
         A node is issued.
     edges : ``In(EDGES)``
         Of that node, constant for 3 clocks.
+    again : ``In(1)``
+        After its row the same row is scanned again; likewise (only with ``again``).
     o : ``Out(signed(SUM_BITS))``
     """
 
     latency = 4
     """Clocks from ``start`` to the first node: three words, and a clock before."""
 
-    def __init__(self, nodes):
+    def __init__(self, nodes, again=False):
         self.nodes = nodes
         super().__init__({
             "start": In(1), "view": In(view_layout()), "issue": In(1), "edges": In(EDGES),
-            "o": Out(signed(SUM_BITS))})
+            "o": Out(signed(SUM_BITS)), **({"again": In(1)} if again else {})})
 
     def elaborate(self, platform):
         m = Module()
@@ -69,6 +73,8 @@ class HomogeneousScan(wiring.Component):
         with m.If(self.start):
             m.d.sync += loading.eq(1)
         across, down, origin = self._steps(slot)
+        if "again" in self.signature.members:
+            down = Mux(self.again, 0, down)
         # Head: words of the node shown.
         head = Signal(shape)                # its coordinate
         head_row = Signal(shape)            # that of the row's first node

@@ -2,15 +2,18 @@
 
 from amaranth import *
 from amaranth.lib import data, wiring
-from amaranth.lib.wiring import In
+from amaranth.lib.wiring import In, Out
 
 from ncdc_hdl.lib.groups import grouped
 from ncdc_hdl.neural.banks import BANK_WRITES
 from ncdc_hdl.neural.layouts import hidden_layout, output_layout
 from ncdc_spec.geometry import MAX_SIZE, SCAN
+from ncdc_spec.nodes import BEFORE, NODES, row_nodes
+from ncdc_spec.view_rows import MAX_MATRICES, NUMBER_BITS, STEPS
 
-__all__ = ["EDGES", "SIZE", "SPANS", "coordinate_layout", "join_network", "network_layout",
-           "network_ports", "scan_layout", "view_layout"]
+__all__ = ["EDGES", "NODE_NUMBER", "ROW_WRITES", "SIZE", "SPANS", "coordinate_layout",
+           "join_network", "network_layout", "network_ports", "rows_layout", "scan_layout",
+           "view_layout", "view_rows_ports"]
 
 SIZE = range(MAX_SIZE + 1)                       # of a width, a height, the end of a span
 SPANS = data.StructLayout({"start0": SIZE, "stop0": SIZE, "start1": SIZE, "stop1": SIZE})
@@ -18,6 +21,37 @@ SPANS = data.StructLayout({"start0": SIZE, "stop0": SIZE, "start1": SIZE, "stop1
 # Of a node: it is the last of its row, in the last row of its strip; it is where the next strip's
 # first node will be, in the first row.
 EDGES = data.StructLayout({"last_column": 1, "last_row": 1, "next_strip": 1})
+
+NODE_NUMBER = range(-BEFORE, row_nodes(MAX_SIZE, min(NODES[1:])))
+"""Of a node's number in the rows of a picture: that at column 0 is 0."""
+
+ROW_WRITES = wiring.Signature({
+    "write": Out(1),                        # ``word`` is written
+    "bank": Out(1),
+    "matrix": Out(range(MAX_MATRICES)),
+    "row": Out(2),                          # of the matrix, x, y or depth
+    "column": Out(2),                       # of u, v or 1
+    "word": Out(signed(NUMBER_BITS)),
+})
+"""From the registers to a table of matrices; nothing happens if it has no such number."""
+
+
+def rows_layout():
+    """Matrices in use of a table, number of the step in ``STEPS``, bank that frames use."""
+    return data.StructLayout({"count": range(MAX_MATRICES + 1), "step": range(len(STEPS)),
+                              "bank": 1})
+
+
+def view_rows_ports(hardware):
+    """Ports of a front end for a table of matrices, if ``hardware`` has one.
+
+    rows : ``In(rows_layout())``
+        Constant during a frame.
+    row_writes : ``In(ROW_WRITES)``
+    """
+    if not hardware.view_rows:
+        return {}
+    return {"rows": In(rows_layout()), "row_writes": In(ROW_WRITES)}
 
 
 def view_layout():

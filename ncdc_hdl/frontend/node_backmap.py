@@ -5,7 +5,13 @@ from amaranth.lib import stream, wiring
 from amaranth.lib.wiring import In, Out
 
 from ncdc_hdl.frontend.between import NodesToCoordinates
-from ncdc_hdl.frontend.layouts import coordinate_layout, network_ports, scan_layout, view_layout
+from ncdc_hdl.frontend.layouts import (
+    coordinate_layout,
+    network_ports,
+    scan_layout,
+    view_layout,
+    view_rows_ports,
+)
 from ncdc_hdl.frontend.node_network import NodeNetwork
 from ncdc_hdl.frontend.scan import Scan
 from ncdc_hdl.frontend.segments import Segments
@@ -43,13 +49,14 @@ class NodeBackMap(wiring.Component):
     variant : str
         Variant of the tan-sigmoid.
     hardware : ncdc_spec.hardware.Hardware
-        Its share, multiplier_bits, lanes and view are used; hidden is multiply.
+        Its share, multiplier_bits, lanes, view and view_rows are used; hidden is multiply.
 
     Members: as in :class:`BackMap`. With a view there is a ``table`` for each lane, and:
 
     view : ``In(view_layout())``
         Constant from ``start`` to the end of the frame, as are origin and step of the trained
         picture in ``scan``.
+    rows, row_writes : see :func:`view_rows_ports`
 
     Raises
     ------
@@ -73,16 +80,22 @@ class NodeBackMap(wiring.Component):
             "start": In(1), "abort": In(1), "scan": In(scan_layout()), **view, "table": table,
             "o": Out(stream.Signature(coordinate_layout(formats, self.lanes))),
             "idle": Out(1), "stalled": Out(1), "cut": Out(1),
-        } | network_ports(hidden_neurons, formats, hardware))
+        } | view_rows_ports(hardware) | network_ports(hidden_neurons, formats, hardware))
 
     @property
     def start_latency(self):
         """Clocks from ``start`` to the first coordinate at ``o``: four nodes, the network, its
-        queue, the segment, the scan's decision, the pixel, with a view its spans, the queue."""
+        queue, the segment, the scan's decision, the pixel, with a view its spans, the queue.
+
+        With a table of matrices the ``settling`` comes before."""
         network = self.network_at_nodes
         return (network.scanner.latency + 3 * network.interval + network.latency
                 + CreditQueue.latency + Segments.latency + 1 + self._latency
                 + CreditQueue.latency)
+
+    def settling(self, columns):
+        """Clocks in which the first row of a picture, or of a strip, of ``columns`` settles."""
+        return self.network_at_nodes.settling(columns)
 
     @property
     def _latency(self):
@@ -122,6 +135,9 @@ class NodeBackMap(wiring.Component):
             coordinates = [field for k in range(self.lanes) for field in (
                 *(delay(m, between.o[k][axis], _LOOKUP, f"{axis}{k}") for axis in "xy"),
                 blank[k] | self._without_source(m, k, between))]
+        if "rows" in self.signature.members:
+            m.d.comb += network.rows.eq(self.rows)
+            wiring.connect(m, wiring.flipped(self.row_writes), network.row_writes)
         flags = delay(m, Cat(scan.first, scan.last), latency, "flags")
         m.d.comb += [
             scan.start.eq(self.start), scan.abort.eq(self.abort), scan.parameters.eq(self.scan),

@@ -4,14 +4,23 @@ from amaranth import *
 from amaranth.lib import data, stream, wiring
 from amaranth.lib.wiring import In, Out
 
-from ncdc_hdl.frontend.layouts import join_network, network_ports, scan_layout, view_layout
+from ncdc_hdl.frontend.layouts import (
+    join_network,
+    network_ports,
+    scan_layout,
+    view_layout,
+    view_rows_ports,
+)
 from ncdc_hdl.frontend.node_scan import NodeScan
+from ncdc_hdl.frontend.raw_rows import RawRows
 from ncdc_hdl.frontend.view_transform import ViewTransform
 from ncdc_hdl.lib.credits import CreditQueue
 from ncdc_hdl.lib.pipeline import DelayMemory, delay, register
 from ncdc_hdl.neural.layers import MultiplyLayer, OutputLayer
 from ncdc_hdl.neural.tansig import Tansig
+from ncdc_spec.nodes import row_nodes
 from ncdc_spec.view import NODE
+from ncdc_spec.view_rows import SETTLING
 
 __all__ = ["NodeNetwork", "node_axes", "node_layout"]
 
@@ -52,13 +61,14 @@ class NodeNetwork(wiring.Component):
     variant : str
         Variant of the tan-sigmoid.
     hardware : ncdc_spec.hardware.Hardware
-        Its share, multiplier_bits and view are used.
+        Its share, multiplier_bits, view and view_rows are used.
 
     Members
     -------
     start, stop, scan : as in :class:`NodeScan`; ``stop`` is held until the next ``start``
     view : ``In(view_layout())``
         As in :class:`ViewTransform` (only with a view).
+    rows, row_writes : see :func:`view_rows_ports`
     network, writes : see :func:`network_ports`
     o : ``Out(stream.Signature(node_layout(self.axes)))``
     quiet : ``Out(1)``
@@ -71,26 +81,37 @@ class NodeNetwork(wiring.Component):
     def __init__(self, hidden_neurons, formats, nodes, variant, hardware):
         self.formats, self.share = formats, hardware.share or 1
         self.interval = max(self.share, hardware.min_node_clocks)
-        self.scanner = NodeScan(formats, nodes, self.interval, hardware.view)
+        self.scanner = NodeScan(formats, nodes, self.interval, hardware.view,
+                                hardware.view_rows > 0)
         self.transform = (ViewTransform(formats.input, nodes, self.interval,
-                                        hardware.multiplier_bits) if hardware.view else None)
+                                        hardware.multiplier_bits, hardware.view_rows)
+                          if hardware.view else None)
         self.axes = node_axes(formats, hardware.view)
         self.hidden = MultiplyLayer(hidden_neurons, formats, self.share, hardware.multiplier_bits)
         self.tansig = [Tansig(formats.tansig_design(variant))
                        for _ in range(hardware.units(hidden_neurons))]
         self.output = OutputLayer(hidden_neurons, formats, self.share, hardware.multiplier_bits)
+        self.raw_rows = (RawRows(formats.coordinate, nodes, self.latency)
+                         if hardware.view_rows else None)
         self.under_way = -(-(self.latency + CreditQueue.loop) // self.interval)
         self.queued = max(32, 1 << (self.under_way + _SLACK - 1).bit_length())
         super().__init__({
             "start": In(1), "stop": In(1), "scan": In(scan_layout()),
             "o": Out(stream.Signature(node_layout(self.axes))), "quiet": Out(1, init=1),
             "idle": Out(1), **({"view": In(view_layout())} if hardware.view else {}),
-        } | network_ports(hidden_neurons, formats, hardware))
+        } | view_rows_ports(hardware) | network_ports(hidden_neurons, formats, hardware))
 
     @property
     def latency(self):
         """Clocks from a node's issue to its arrival in the queue."""
         return self._network_latency + (self.transform.latency if self.transform else 0)
+
+    def settling(self, columns):
+        """Clocks in which the first row of ``columns`` pixels is computed before it counts."""
+        if not self.raw_rows:
+            return 0
+        row = row_nodes(columns, self.scanner.nodes) * self.interval
+        return SETTLING * max(row, self.latency + RawRows.latency)
 
     @property
     def _network_latency(self):
@@ -139,12 +160,27 @@ class NodeNetwork(wiring.Component):
             transform.view.eq(self.view), transform.edges.eq(scan.edges),
             transform.i_issue.eq(scan.issue), transform.i_whole.eq(scan.whole),
         ]
+        if self.raw_rows:
+            self._rows(m, scan, transform, queue)
         m.submodules.positions = positions = DelayMemory(
             2 * NODE.width, self._network_latency + transform.early)
         m.d.comb += [positions.i.eq(Cat(transform.column, transform.row)),
                      Cat(queue.i.column, queue.i.row).eq(positions.o),
                      queue.i.fits.eq(delay(m, transform.fits, self._network_latency, "fits"))]
         return transform
+
+    def _rows(self, m, scan, transform, queue):
+        """Raw rows of a row's nodes, for those of the row below it."""
+        m.submodules.raw_rows = raw_rows = self.raw_rows
+        wiring.connect(m, wiring.flipped(self.row_writes), transform.writes)
+        m.d.comb += [
+            raw_rows.start.eq(self.start), raw_rows.issue.eq(scan.issue), raw_rows.top.eq(scan.top),
+            raw_rows.bottom.eq(scan.bottom), scan.ready.eq(raw_rows.ready),
+            raw_rows.arrive.eq(queue.arrive), raw_rows.y.eq(queue.i.y),
+            raw_rows.fits.eq(queue.i.fits), transform.raw_row.eq(raw_rows.row),
+            transform.rows.eq(self.rows), transform.again.eq(scan.again),
+            transform.number.eq(scan.number), transform.line.eq(scan.line),
+        ]
 
     def _count(self, m, issue):
         """Whether any node is between its issue and its output from the queue."""

@@ -5,10 +5,11 @@ from amaranth.lib import wiring
 from amaranth.lib.wiring import In, Out
 from amaranth.utils import exact_log2
 
-from ncdc_hdl.frontend.layouts import EDGES, scan_layout
+from ncdc_hdl.frontend.layouts import EDGES, NODE_NUMBER, SIZE, scan_layout
 from ncdc_hdl.lib.pipeline import delay, register
 from ncdc_spec.geometry import MAX_SIZE, SCAN, STRIP_UNIT
 from ncdc_spec.nodes import AFTER, BEFORE
+from ncdc_spec.view_rows import SETTLING
 
 __all__ = ["NodeScan"]
 
@@ -40,6 +41,9 @@ class NodeScan(wiring.Component):
         Clocks per node, at least 2: the next one's coordinates are added up meanwhile.
     view : bool
         Whether other hardware computes the coordinates, of a view; the scan then has none.
+    rows : bool
+        Whether nodes need a result of the node above, of a view. A strip's first row then comes
+        ``SETTLING`` times more before.
 
     Members
     -------
@@ -60,7 +64,14 @@ class NodeScan(wiring.Component):
     edges : ``Out(EDGES)``
         Of the node shown (only with a view).
     whole : ``Out(1)``
-        Three nodes of its row precede the one shown: the four surround a segment.
+        Three nodes of its row precede the one shown: the four surround a segment. Low in a row that
+        comes again.
+    ready : ``In(1)``
+        The result of the node above is there (this and all further ones only with ``rows``).
+    top, bottom, again : ``Out(1)``
+        The node shown is in the strip's first row, in its last one, in one that comes again.
+    number, line : ``Out(NODE_NUMBER)``, ``Out(SIZE)``
+        Its column in S, and its row.
 
     Raises
     ------
@@ -71,15 +82,17 @@ class NodeScan(wiring.Component):
     latency = 5
     """Clocks from ``start`` to the first node: number of nodes in 4, the node."""
 
-    def __init__(self, formats, nodes, interval, view=False):
+    def __init__(self, formats, nodes, interval, view=False, rows=False):
         if interval < 2:
             raise ValueError(f"interval is {interval} clocks, a node takes at least 2")
-        self.q, self.nodes, self.interval = formats.input, nodes, interval
+        self.q, self.nodes, self.interval, self.rows = formats.input, nodes, interval, rows
         number = Out(signed(self.q.width))
         super().__init__({
             "start": In(1), "stop": In(1), "parameters": In(scan_layout()), "space": In(1),
             "issue": Out(1), "turn": Out(range(interval)),
             **({"edges": Out(EDGES)} if view else {"x": number, "y": number}), "whole": Out(1),
+            **({"ready": In(1), "top": Out(1), "bottom": Out(1), "again": Out(1),
+                "number": Out(NODE_NUMBER), "line": Out(SIZE)} if rows else {}),
         })
 
     def elaborate(self, platform):
@@ -93,16 +106,20 @@ class NodeScan(wiring.Component):
         row_ends = Signal()             # the node shown is left, the last of its row
         strip_ends = Signal()           # the node shown is left, the last of its strip
         before = Signal(2)              # nodes of the row before the one shown, at most 3
-        m.d.sync += rows.eq(self.parameters.height - 2)
+        m.d.sync += rows.eq(self.parameters.height - (2 - SETTLING if self.rows else 2))
         per_row, last_strip = self._strip(m, begin | strip_ends)
         m.d.comb += [
             begin.eq(delay(m, self.start, self.latency - 1, "start", reset_less=False)),
             row_ends.eq(advance & (column < 0)), strip_ends.eq(row_ends & (row < 0)),
-            self.whole.eq(before == 3),
         ]
+        three = self.whole              # three nodes of the row precede the one shown
+        if self.rows:
+            three = Signal()
+            m.d.comb += self.whole.eq(three & ~self.again)
+        m.d.comb += three.eq(before == 3)
         self._pace(m, active, advance)
         with m.If(advance):
-            m.d.sync += [column.eq(column - 1), before.eq(Mux(self.whole, 3, before + 1))]
+            m.d.sync += [column.eq(column - 1), before.eq(Mux(three, 3, before + 1))]
         with m.If(row_ends):
             m.d.sync += row.eq(row - 1)
         with m.If(strip_ends | begin):
@@ -120,6 +137,9 @@ class NodeScan(wiring.Component):
                 m.d.sync += first_row.eq(strip_ends | begin)
             m.d.comb += [self.edges.last_column.eq(column < 0), self.edges.last_row.eq(row < 0),
                          self.edges.next_strip.eq(saves & first_row)]
+            if self.rows:
+                m.d.comb += [self.top.eq(first_row), self.bottom.eq(self.edges.last_row)]
+                self._rows(m, begin, advance, row_ends, strip_ends, saves)
         else:
             self._coordinates(m, begin, advance, row_ends, strip_ends, saves=active & saves)
         return m
@@ -127,10 +147,35 @@ class NodeScan(wiring.Component):
     def _pace(self, m, active, advance):
         """A node enters the network when there is space, and is held for ``interval`` turns."""
         may = register(m, "may", self.space, reset_less=False)
+        if self.rows:
+            may = may & (self.top | self.ready)
         m.d.comb += [self.issue.eq(active & may & (self.turn == 0)),
                      advance.eq(self.turn == self.interval - 1)]
         with m.If(self.issue | (self.turn != 0)):
             m.d.sync += self.turn.eq(Mux(advance, 0, self.turn + 1))
+
+    def _rows(self, m, begin, advance, row_ends, strip_ends, saves):
+        """Number and row of the node, and whether its row comes again."""
+        left = Signal(range(SETTLING + 1))  # times that the row comes again
+        base = Signal(NODE_NUMBER)          # number of the strip's first node
+        saved = Signal(NODE_NUMBER)         # number of the next strip's first node
+        m.d.comb += self.again.eq(left != 0)
+        with m.If(saves):
+            m.d.sync += saved.eq(self.number)
+        with m.If(advance):
+            m.d.sync += self.number.eq(self.number + 1)
+        with m.If(row_ends):
+            m.d.sync += self.number.eq(base)
+            with m.If(self.again):
+                m.d.sync += left.eq(left - 1)
+            with m.Else():
+                m.d.sync += self.line.eq(self.line + 1)
+        with m.If(strip_ends):
+            m.d.sync += [self.number.eq(saved), base.eq(saved)]
+        with m.If(begin):
+            m.d.sync += [self.number.eq(-BEFORE), base.eq(-BEFORE)]
+        with m.If(strip_ends | begin):
+            m.d.sync += [self.line.eq(0), left.eq(SETTLING)]
 
     def _strip(self, m, taken):
         """Initial value of ``column`` in a row, and whether the strip is the last one.

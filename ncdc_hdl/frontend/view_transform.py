@@ -5,13 +5,23 @@ from amaranth.lib import wiring
 from amaranth.lib.wiring import In, Out
 
 from ncdc_hdl.frontend.homogeneous import HomogeneousScan
-from ncdc_hdl.frontend.layouts import EDGES, scan_layout, view_layout
+from ncdc_hdl.frontend.layouts import (
+    EDGES,
+    NODE_NUMBER,
+    ROW_WRITES,
+    SIZE,
+    rows_layout,
+    scan_layout,
+    view_layout,
+)
 from ncdc_hdl.frontend.reciprocal import Reciprocal
+from ncdc_hdl.frontend.row_matrices import RowMatrices
 from ncdc_hdl.lib.pipeline import DelayMemory, delay, register
 from ncdc_hdl.neural.product import Product
 from ncdc_spec.geometry import SCAN
 from ncdc_spec.reciprocal import RECIPROCAL_BITS
-from ncdc_spec.view import DEPTH_SHIFTS, FORMATS, NODE, NUMERATOR, PLANE
+from ncdc_spec.view import DEPTH_SHIFTS, FORMATS, NODE, NUMERATOR, PLANE, SUM_BITS
+from ncdc_spec.view_rows import ROW_BITS, ROW_SHIFT
 
 __all__ = ["ViewTransform"]
 
@@ -41,6 +51,8 @@ class ViewTransform(wiring.Component):
         As for :class:`NodeScan`; ``interval`` is at least 3.
     multiplier_bits : int
         Width of the multiplier blocks, 27 or 18.
+    matrices : int
+        Of the table down the raw frame, 0 without one; ``interval`` is then at least 6.
 
     Members
     -------
@@ -48,6 +60,8 @@ class ViewTransform(wiring.Component):
         Origins and steps of the scan are those of the trained picture.
     i_issue, i_whole, edges : ``In(1)``, ``In(1)``, ``In(EDGES)``
         Outputs of the :class:`NodeScan`.
+    again, number, line, raw_row, rows, writes
+        As in :class:`HomogeneousScan` and :class:`RowMatrices` (only with a table).
     issue, turn, whole, x, y : as in :class:`NodeScan`; ``turn`` counts on after a node
     column, row : ``Out(signed(NODE.width))``
         Positions in the trained picture, in pixels.
@@ -55,9 +69,10 @@ class ViewTransform(wiring.Component):
         The node is in front of the camera, and nothing overflows; with x and y.
     """
 
-    def __init__(self, q, nodes, interval, multiplier_bits=27):
+    def __init__(self, q, nodes, interval, multiplier_bits=27, matrices=0):
         self.q = q
-        self.scan = HomogeneousScan(nodes)
+        self.scan = HomogeneousScan(nodes, again=matrices > 0)
+        self.matrices = RowMatrices(nodes, matrices, multiplier_bits) if matrices else None
         self.reciprocal = Reciprocal(multiplier_bits)
         self.divide = Product(NUMERATOR.width, RECIPROCAL_BITS + 2, multiplier_bits)
         self.normalise = Product(PLANE.width, SCAN.width, multiplier_bits)
@@ -67,12 +82,20 @@ class ViewTransform(wiring.Component):
             "i_issue": In(1), "i_whole": In(1), "edges": In(EDGES),
             "issue": Out(1), "turn": Out(range(interval)), "whole": Out(1), "x": number,
             "y": number, "column": Out(signed(NODE.width)), "row": Out(signed(NODE.width)),
-            "fits": Out(1)})
+            "fits": Out(1),
+            **({"again": In(1), "number": In(NODE_NUMBER), "line": In(SIZE),
+                "raw_row": In(ROW_BITS), "rows": In(rows_layout()), "writes": In(ROW_WRITES)}
+               if matrices else {})})
+
+    @property
+    def _moved(self):
+        """Clocks from the issue to the sums with those of the table: these, a sum."""
+        return self.matrices.latency + 1 if self.matrices else 0
 
     @property
     def _divided(self):
-        """Clocks from the issue to the position of x: reciprocal, product, rounding."""
-        return self.reciprocal.latency + self.divide.latency + 1
+        """Clocks from the issue to the position of x: sums, reciprocal, product, rounding."""
+        return self._moved + self.reciprocal.latency + self.divide.latency + 1
 
     @property
     def latency(self):
@@ -89,9 +112,12 @@ class ViewTransform(wiring.Component):
         m.submodules.scan, m.submodules.reciprocal = scan, reciprocal = self.scan, self.reciprocal
         m.d.comb += [
             scan.start.eq(self.start), scan.view.eq(self.view), scan.edges.eq(self.edges),
-            scan.issue.eq(self.i_issue), reciprocal.z.eq(scan.o), reciprocal.valid.eq(self.i_issue),
+            scan.issue.eq(self.i_issue),
         ]
-        position, fits, of_y = self._divide(m)
+        total = self._move(m) if self.matrices else scan.o
+        m.d.comb += [reciprocal.z.eq(total), reciprocal.valid.eq(delay(
+            m, self.i_issue, self._moved, "moved_issue", reset_less=False))]
+        position, fits, of_y = self._divide(m, total)
         m.d.comb += [
             self.column.eq(register(m, "column_before", position >> PLANE.f_bits - NODE.f_bits)),
             self.row.eq(position >> PLANE.f_bits - NODE.f_bits),
@@ -106,14 +132,31 @@ class ViewTransform(wiring.Component):
         m.d.comb += self.whole.eq(delay(m, self.i_whole, self.latency, "whole"))
         return m
 
-    def _divide(self, m):
-        """Position of x, then y, whether it fits, and whether it is that of y."""
-        scan, reciprocal = self.scan, self.reciprocal
+    def _move(self, m):
+        """Z, X and Y of a node with what the table adds."""
+        m.submodules.matrices = matrices = self.matrices
+        wiring.connect(m, wiring.flipped(self.writes), matrices.writes)
+        m.submodules.sums = sums = DelayMemory(signed(SUM_BITS), matrices.latency)
+        used = register(m, "rows_used", self.rows.count != 0)
+        m.d.comb += [
+            self.scan.again.eq(self.again), matrices.issue.eq(self.i_issue),
+            matrices.number.eq(self.number), matrices.line.eq(self.line),
+            matrices.row.eq(self.raw_row), matrices.rows.eq(self.rows), sums.i.eq(self.scan.o),
+        ]
+        return register(m, "moved", sums.o + (Mux(used, matrices.o, 0) << ROW_SHIFT),
+                        signed(SUM_BITS))
+
+    def _divide(self, m, total):
+        """Position of x, then y, whether it fits, and whether it is that of y.
+
+        ``total``: Z, X and Y, one after the other.
+        """
+        reciprocal = self.reciprocal
         m.submodules.divide = divide = self.divide
         # Shift like the depth; whether the numerator fits is known before.
         drop = FORMATS[0][0].f_bits - NUMERATOR.f_bits
-        shifted = (scan.o << reciprocal.shifts)[drop:drop + NUMERATOR.width]
-        holds = Array(_cut(scan.o, 0, drop + NUMERATOR.width - shifts)[1]
+        shifted = (total << reciprocal.shifts)[drop:drop + NUMERATOR.width]
+        holds = Array(_cut(total, 0, drop + NUMERATOR.width - shifts)[1]
                       for shifts in range(DEPTH_SHIFTS + 1))[reciprocal.shifts]
         numerator = register(m, "numerator", Cat(shifted, holds & reciprocal.inside))
         # Wait for the reciprocal. That of the next node comes after both axes have used it.

@@ -6,8 +6,10 @@ from operator import or_
 from amaranth import *
 from amaranth.lib import data, wiring
 from amaranth.lib.wiring import In, Out
+from amaranth.utils import exact_log2
 
 from ncdc_hdl.avalon.bus import Agent
+from ncdc_hdl.frontend.layouts import ROW_WRITES
 from ncdc_hdl.frontend.signatures import TableAccess
 from ncdc_hdl.lib.pipeline import delay, register
 from ncdc_hdl.neural.banks import BANK_WRITES
@@ -24,6 +26,7 @@ from ncdc_spec.registers.register_map import (
     listed,
 )
 from ncdc_spec.view_list import ENTRY_WORDS
+from ncdc_spec.view_rows import MAX_MATRICES, ROWS_BANK, ROWS_STATUS, ROWS_TABLE
 
 __all__ = ["Registers"]
 
@@ -34,7 +37,8 @@ class Registers(wiring.Component):
     The host writes "shadow" registers one by one; a commit marks the set complete. At the next
     frame boundary, which is at once if no frame runs, the whole set is copied to ``active`` in one
     clock. Until then writes to the set, and to the bank of valid rows that it names, are rejected.
-    So are always writes to the bank that a running or waiting frame uses. A rejected write
+    So are always writes to the bank that a running or waiting frame uses. The same holds of the
+    banks of a view's table of matrices, which a host cannot read. A rejected write
     changes nothing and sets a flag in STATUS, so that no frame ever uses half a set.
     One start while a frame runs is queued; without a commit it uses the set in use. An
     abort applies to the frame that runs, not the one that waits.
@@ -67,6 +71,8 @@ class Registers(wiring.Component):
         Registers of ``table`` that are in memories, the same for each hidden neuron.
     neurons : int
         Neurons that the network's units could serve, if there are any ``in_memory``.
+    view_rows : int
+        Matrices of a view's table; 0 without one.
 
     Members
     -------
@@ -78,6 +84,8 @@ class Registers(wiring.Component):
         Writes to the memories, if there are any.
     valid_table : ``Out(TableAccess())``
         To the host's side of the table of valid rows, which answers two clocks after ``read``.
+    row_writes : ``Out(ROW_WRITES)``
+        Writes to a view's table of matrices, if there is one.
     begin : ``Out(1)``
         High for one clock, the one before ``active`` is that of a new frame. A frame is one view
         of a list.
@@ -105,7 +113,7 @@ class Registers(wiring.Component):
     """Clocks from ``ended`` to ``irq``."""
 
     def __init__(self, table, values, *, digest, hidden_neurons, capabilities, nodes=1,
-                 in_memory=(), neurons=0):
+                 in_memory=(), neurons=0, view_rows=0):
         self.table, self.values = table, values
         of_list = listed(table)
         # Rows with a register of their own.
@@ -115,7 +123,8 @@ class Registers(wiring.Component):
         self.entries = ViewStore(of_list, values, self.views) if of_list else None
         self.passes = ViewPass(self.views) if of_list else None
         self.constants = {"ID": ID, "DIGEST": digest, "NEURONS": hidden_neurons, "NODES": nodes,
-                          **capabilities}
+                          **({ROWS_STATUS: view_rows} if view_rows else {}), **capabilities}
+        self.view_rows = view_rows
         self.counting = (*COUNTERS, *(r.name for r in table if r.name in COLOUR_COUNTERS))
         [fault] = [r for r in table if r.name == "FAULT"]
         shadow = {r.name: Shape(r.shape.width, r.shape.signed)
@@ -133,7 +142,8 @@ class Registers(wiring.Component):
             "running": In(1), "start": In(1), "idle": Out(1),
             "irq": Out(1),
         } | ({"writes": Out(BANK_WRITES)} if in_memory else {})
-          | ({"first": Out(1), "over": Out(1), "lacks": Out(1)} if of_list else {}))
+          | ({"first": Out(1), "over": Out(1), "lacks": Out(1)} if of_list else {})
+          | ({"row_writes": Out(ROW_WRITES)} if view_rows else {}))
 
     def elaborate(self, platform):
         m = Module()
@@ -154,11 +164,15 @@ class Registers(wiring.Component):
             m, (address, word, under_way, write[1]), take, status["COMMITTED"], copying)
         meant = {r.name: register(m, f"{r.name.lower()}_meant", address == r.address)
                  for r in self.rows}
+        rows_status = {}
+        if self.view_rows:
+            limit = Const(self.view_rows, range(MAX_MATRICES + 1))
+            rows_status[ROWS_STATUS] = Cat(limit, self.active[ROWS_BANK])
         self._read(m, address, meant, stored, {
             **self.constants, **held, **counted, **self._state(), "CTRL": 0,
             "STATUS": Cat(status[flag.name] for flag in action["STATUS"].flags),
             "FAULT": Cat(fault[flag.name] for flag in action["FAULT"].flags),
-            "ALTERED": altered})
+            "ALTERED": altered, **rows_status})
 
         written = {r.name: write[1] & meant[r.name] for r in self.rows if r.access != "ro"}
         in_table = register(m, "table_written", write[0] & (address >= TABLE), reset_less=False)
@@ -175,6 +189,8 @@ class Registers(wiring.Component):
         rejected = in_table & ~self.valid_table.write
         if self.entries:
             rejected |= list_rejected
+        if self.view_rows:
+            rejected |= self._rows(m, address, write[0], word, held, status)
         of_set = Cat(store_written, *(written[r.name] for r in self.rows
                                       if r.access == "shadow")).any()
         with m.If(self._rejected(m, of_set, rejected, status["COMMITTED"])):
@@ -299,8 +315,7 @@ class Registers(wiring.Component):
     def _table(self, m, address, read, written, word, held, status):
         """The host's side of the table of valid rows, of which frames may use both banks."""
         window = held["VALID_WINDOW"]
-        held = ((status["BUSY"] | status["PENDING"]) & (window == self.active.VALID_BANK)
-                | status["COMMITTED"] & (window == held["VALID_BANK"]))
+        held = self._bank_held(window, "VALID_BANK", held, status)
         table = self.valid_table
         m.d.comb += [
             table.bank.eq(window),
@@ -310,6 +325,21 @@ class Registers(wiring.Component):
             table.start.eq(word[:16]),
             table.stop.eq(word[16:]),
         ]
+
+    def _rows(self, m, address, write, word, held, status):
+        """Write to a view's table of matrices; returns whether a write is rejected."""
+        in_rows = register(m, "rows_written", write & (
+            address[exact_log2(ROWS_TABLE):] == 1), reset_less=False)
+        writes = self.row_writes
+        in_use = self._bank_held(writes.bank, ROWS_BANK, held, status)
+        m.d.comb += [Cat(writes.column, writes.row, writes.matrix, writes.bank).eq(address),
+                     writes.word.eq(word), writes.write.eq(in_rows & ~in_use)]
+        return in_rows & in_use
+
+    def _bank_held(self, bank, name, held, status):
+        """Whether frames use a ``bank``; ``name``: the register that chooses it."""
+        return ((status["BUSY"] | status["PENDING"]) & (bank == self.active[name])
+                | status["COMMITTED"] & (bank == held[name]))
 
     def _altered(self, m, written, store_written, altered):
         """Whether the lens may be another one than DIGEST's; a reset keeps the valid rows."""

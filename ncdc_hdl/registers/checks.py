@@ -9,6 +9,7 @@ from ncdc_spec.frames import BGR8, BGRX8, MONO8, OUTPUT_FORMATS
 from ncdc_spec.geometry import MAX_SIZE, MIN_SIZE, STRIP_UNIT
 from ncdc_spec.interpolation import FAST
 from ncdc_spec.registers.register_map import BAYER_MONO
+from ncdc_spec.view_rows import ROWS_COUNT
 
 __all__ = ["FAULTS", "Checks"]
 
@@ -36,8 +37,9 @@ class Checks(wiring.Component):
     -------
     active : ``In(active)``
     faults : ``Out(FAULTS)``
-        A base or the pitch is no multiple of the memory word. A size is outside its limits. The
-        format of pixels in memory is unknown, or loses colours.
+        A base or the pitch is no multiple of the memory word. A size, or the number of
+        matrices in use, is outside its limits. The format of pixels in memory is unknown, or loses
+        colours.
     """
 
     latency = 1
@@ -65,6 +67,8 @@ class Checks(wiring.Component):
         ]
         if not hardware.stream:
             wrong.append(active.STRIP_WIDTH[:strip_bits] != 0)
+        if hardware.view_rows:
+            wrong.append(active[ROWS_COUNT] > hardware.view_rows)
         if hardware.cached:
             wrong.append(active.CACHE_SPLIT > hardware.cache.max_split)
         if hardware.views:

@@ -17,7 +17,7 @@ from ncdc_model.stabilise.quaternions import matrices, multiply
 from ncdc_model.stabilise.stabiliser import Stabiliser
 from plane_lens import seen_lens
 
-STILL = {"moved_px_rms": 0.0}
+STILL = {"moved_px_rms": 0.0, "moved_px_rms_hardware": 0.0}
 
 
 @pytest.fixture(scope="module")
@@ -62,6 +62,7 @@ def test_a_shaking_camera_stands_still(small):
     found = steadiness(*small, 3)
     assert found["points"] > 60
     assert found["moved_px_rms"] < .1 < 1 < found["moved_px_rms_frame"]
+    assert found["moved_px_rms_hardware"] < .15
     assert 10 < found["moved_px_rms_without"] and found["off_px_max"] < .3
     assert complaints([], found) == []
 

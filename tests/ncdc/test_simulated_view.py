@@ -1,5 +1,7 @@
 """``ncdc simulate``: the view that its options ask for."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
@@ -9,6 +11,8 @@ from ncdc_spec.view import View
 from ncdc_spec.view_matrix import Angles, PlaneCamera
 from plane_lens import SIZE, seen_lens
 
+HEAD = "time_s,x_rad_s,y_rad_s,z_rad_s"
+
 
 @pytest.fixture
 def asked(tmp_path, monkeypatch):
@@ -17,7 +21,7 @@ def asked(tmp_path, monkeypatch):
         pass
 
     def simulated(descriptor, raw, hardware, **options):
-        raise Simulated(hardware.view, options["view"])
+        raise Simulated(hardware.view, options["view"], hardware.view_rows)
     monkeypatch.setattr(simulate, "simulate_correction", simulated)
     monkeypatch.chdir(tmp_path)
     seen_lens().save("net.toml")
@@ -27,7 +31,8 @@ def asked(tmp_path, monkeypatch):
     def run(*options):
         with pytest.raises(Simulated) as error:
             main([*command, "out.png", *options])
-        return error.value.args
+        view, shown, run.matrices = error.value.args
+        return view, shown
     run.rejected = lambda *options: main([*command, *options])
     return run
 
@@ -45,7 +50,21 @@ def test_the_view_of_the_options(asked):
     assert asked("--pan", "-10", "--zoom", "2", "--view-size", "64x48") == (True, wanted)
 
 
+def test_the_table_of_a_camera_that_turns(asked):
+    """It has as many matrices as the hardware has space for, or none if no row is later."""
+    Path("gyro.csv").write_text("\n".join([HEAD, *(f"{k / 100},1,.5,-.2" for k in range(9))]))
+    assert asked("--view", "--view-rows", "5") == (True, None) and asked.matrices == 5
+    assert asked("--gyro", "gyro.csv")[1].rows is None and asked.matrices == 0
+    for options, matrices, step, used in (((), 64, 8, 9), (("--view-rows", "5"), 5, 16, 5)):
+        view, shown = asked("--view", "--gyro", "gyro.csv", "--readout-ms", "20", *options)
+        assert view and asked.matrices == matrices
+        assert (shown.rows.step, len(shown.rows.matrices)) == (step, used)
+
+
 @pytest.mark.parametrize("options,words", [
+    (("out.png", "--view-rows", "9"), "the view's table has 9 matrices, it needs a view"),
+    (("out.png", "--view", "--view-rows", "65"), "has 65 matrices, the limits are 2 and 64"),
+    (("out.gif", "--gyro", "a.csv", "--sensor", "mt9p031"), "--gyro is given with --camera"),
     (("out.png", "--pan", "9", "--matrix", *"100010001"), "--matrix is given together with angles"),
     (("out.png", "--pan", "9", "--follow"), "--follow is given with a view"),
     (("out.png", "--matrix", *"10001000", "nan"), "nine finite numbers are needed"),

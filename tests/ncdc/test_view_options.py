@@ -4,6 +4,7 @@ import io
 import json
 import sys
 from fractions import Fraction
+from pathlib import Path
 
 import cv2
 import numpy as np
@@ -12,6 +13,8 @@ import pytest
 from ncdc.cli import main
 from ncdc_model.golden.corrector import correct
 from ncdc_model.images import read_image, write_image
+from ncdc_model.stabilise.gyro_file import load_gyroscope
+from ncdc_model.stabilise.stabiliser import Stabiliser
 from ncdc_model.view_map import view_map
 from ncdc_spec.view import View
 from ncdc_spec.view_matrix import Angles, PlaneCamera, view_matrix
@@ -76,6 +79,12 @@ def test_a_view_of_a_film(film, lens):
                               "height": 40, "stabilised": False}
 
 
+def write_turning(path):
+    """Samples of a camera that turns about all three axes."""
+    open(path, "w").write("\n".join([HEAD, *(
+        f"{t:.3f},{np.sin(20 * t):.9f},{np.cos(30 * t):.9f},-.5" for t in np.arange(0, .4, .005))]))
+
+
 def golden(lens, raw, size, **angles):
     """The picture of the golden model, by a matrix of SciPy's rotation."""
     from scipy.spatial.transform import Rotation
@@ -111,12 +120,40 @@ def test_pictures_and_streams_are_the_golden_model_s(lens, tmp_path, monkeypatch
     assert capsysbinary.readouterr().out == b"".join(one.tobytes() for one in wanted)
 
 
-def test_a_film_as_raw_frames_is_not_stabilised(film, capsys):
-    open("still.csv", "w").write("\n".join([HEAD, *(f"{k / 20},0,0,0" for k in range(21))]))
-    command = ["correct", "net.toml", "clip.mp4", "-o", "view.mp4", "--film", "mosaic"]
-    assert main([*command, "--pan", "5"]) == 0
-    assert main([*command, "--gyro", "still.csv"]) == 2
-    assert "--gyro is given, it needs a film that is remapped" in capsys.readouterr().err
+def test_a_film_as_raw_frames_is_held_still(film, lens):
+    """Each frame by the integer model, with a table of matrices of its own."""
+    write_turning("gyro.csv")
+    options = ["--gyro", "gyro.csv", "--readout-ms", "20", "--smooth", "100"]
+    assert main(["correct", "net.toml", "clip.mp4", "-o", "held.mp4", "--film", "mosaic",
+                 *options]) == 0
+    assert main(["correct", "net.toml", "clip.mp4", "-o", "free.mp4", "--film", "bilinear",
+                 *options]) == 0
+    for k, (held, remapped) in enumerate(zip(pictures(film, "held.mp4"),
+                                             pictures(film, "free.mp4"))):
+        seen = remapped.any(axis=2) & held.any(axis=2)
+        assert seen.mean() > .3
+        assert np.abs(held.astype(int) - remapped)[seen].mean() < 6, k
+
+
+def test_raw_frames_are_held_still(lens, tmp_path, monkeypatch, capsysbinary):
+    """One, and some of a stream: the second one begins a fifth of a second later."""
+    monkeypatch.chdir(tmp_path)
+    lens.save("net.toml")
+    write_turning("gyro.csv")
+    raws = np.random.default_rng(1).integers(0, 256, (2, *SIZE[::-1]), np.uint8)
+    write_image("raw.png", raws[0])
+    options = ["--gyro", "gyro.csv", "--readout-ms", "20", "--smooth", "100"]
+    trained = PlaneCamera.of(lens)
+    held = Stabiliser(load_gyroscope("gyro.csv"), trained, trained, np.eye(3), SIZE[1], .02, 0.0,
+                      100.0)
+    wanted = [correct(lens, raw, view=held.row_view(k / 5)).picture for k, raw in enumerate(raws)]
+    assert main(["correct", "net.toml", "raw.png", "-o", "one.png", *options]) == 0
+    np.testing.assert_array_equal(read_image("one.png"), wanted[0])
+    capsysbinary.readouterr()
+    monkeypatch.setattr(sys, "stdin", io.TextIOWrapper(io.BytesIO(raws.tobytes())))
+    assert main(["correct", "net.toml", "-", "--raw", "96x64:RGGB:8", "--fps", "5", "-o", "-",
+                 *options]) == 0
+    assert capsysbinary.readouterr().out == b"".join(one.tobytes() for one in wanted)
 
 
 def test_a_film_of_a_camera_that_pans(film, lens):
@@ -171,13 +208,14 @@ def test_bad_options(film, capsys, options, message):
     assert open("view.mp4").read() == "kept"
 
 
-def test_a_gyroscope_needs_a_film(lens, tmp_path, monkeypatch, capsys):
+def test_a_gyroscope_needs_times(lens, tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     lens.save("net.toml")
     open("still.csv", "w").write("\n".join([HEAD, "0,0,0,0", ".05,0,0,0"]))
-    write_image("raw.png", np.zeros(SIZE[::-1], np.uint8))
+    Path("frames").mkdir()
+    write_image("frames/raw.png", np.zeros(SIZE[::-1], np.uint8))
     for source, output, message in (("camera:0", "view.mp4", "camera:0 is a camera, --gyro needs"),
-                                    ("raw.png", "view.png", "--gyro is given, it needs a film")):
+                                    ("frames", "out", "files have no times, --gyro needs a film")):
         assert main(["correct", "net.toml", source, "-o", output, "--gyro", "still.csv"]) == 2
         assert message in capsys.readouterr().err
 

@@ -12,7 +12,7 @@ from ncdc_hdl.export.verilog import verilog_of
 from ncdc_sim.system.corrector import simulate_correction
 from ncdc_spec.hardware import Hardware
 from simulations.lens_change import simulate_lens_change
-from views import nonsense_view, random_view
+from views import nonsense_table, nonsense_view, random_view, turning_view
 
 FOCAL = 60      # pixels of the trained pictures
 
@@ -58,6 +58,25 @@ def test_a_view_of_another_size():
     assert result.differing == [] and result.bytes_outside == 0
     assert result.counters["FETCHES"] == result.fetches_expected
     assert not result.blank.all()
+
+
+@pytest.mark.longer
+@pytest.mark.many_clocks
+@pytest.mark.parametrize("settings,frames", [
+    (dict(output="stream"), 8),
+    pytest.param(dict(data_width=64, lanes=4, strip=32), 60, marks=pytest.mark.regress)])
+def test_another_table_with_every_frame(settings, frames):
+    """Lenses in turn; every fourth table is nonsense, and some views have none."""
+    pair = cameras()
+    rng, sizes = np.random.default_rng(3), ((104, 60), (64, 40), (96, 20))
+    views = [turning_view(rng, pair[k % 2][0].geometry, FOCAL, sizes[k % 3], 9, roll=180)
+             for k in range(frames)]
+    views = [replace(view, rows=(nonsense_table(rng, 9), view.rows, None, view.rows)[k % 4])
+             for k, view in enumerate(views)]
+    corrector = Corrector(pair[0][0], Hardware(view=True, view_rows=9, **settings))
+    result = simulate_lens_change(corrector, verilog_of(corrector), pair, frames, views=views,
+                                  memory="hostile", intruder=True)
+    assert result.differing == (0,) * frames
 
 
 @cache

@@ -17,10 +17,11 @@ from ncdc_model.correction import frame_coordinates
 from ncdc_model.golden.view import view_coordinates
 from ncdc_spec.geometry import scan_order
 from ncdc_spec.hardware import Hardware
+from ncdc_spec.view_rows import STEPS
 from pipelines import get, run_bench
 
 __all__ = ["FrontEnd", "aborted_frame", "expected", "extreme", "fields", "frames", "load",
-           "prepare", "words_of"]
+           "load_rows", "prepare", "words_of"]
 
 
 class FrontEnd(Elaboratable):
@@ -80,6 +81,21 @@ def load(ctx, backmap, d, strip=0, view=None):
         take_bank(ctx, backmap.writes)
 
 
+async def load_rows(ctx, rows, writes, view, bank=0):
+    """Write the table of a ``view``, if it has one, to a ``bank``, and choose it."""
+    table = view.rows
+    ctx.set(rows, {"count": len(table.matrices) if table else 0, "bank": bank,
+                   "step": STEPS.index(table.step) if table else 0})
+    for k, matrix in enumerate(table.matrices if table else ()):
+        for number, word in enumerate(matrix):
+            row, column = divmod(number, 3)
+            for name, value in (("write", 1), ("bank", bank), ("matrix", k), ("row", row),
+                                ("column", column), ("word", word)):
+                ctx.set(getattr(writes, name), value)
+            await ctx.tick()
+    ctx.set(writes.write, 0)
+
+
 def expected(d, strip=0, lanes=1, view=None):
     """(x, y, blank, first, last) of every pixel in order; the flags are those of its group."""
     if view:
@@ -128,9 +144,11 @@ def frames(dut, descriptors, stall, seed=5, strip=0, views=()):
     rng, results = np.random.default_rng(seed), []
 
     async def bench(ctx):
-        for d, view in zip_longest(descriptors, views):
+        for k, (d, view) in enumerate(zip_longest(descriptors, views)):
             await prepare(ctx, dut.backmap, d)
             load(ctx, dut.backmap, d, strip, view)
+            if "rows" in dut.backmap.signature.members:
+                await load_rows(ctx, dut.backmap.rows, dut.backmap.row_writes, view, k % 2)
             ctx.set(dut.backmap.start, 1)
             await ctx.tick()
             ctx.set(dut.backmap.start, 0)

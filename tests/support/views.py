@@ -4,8 +4,10 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from ncdc_spec.view import FORMATS, View
+from ncdc_spec.view_rows import NUMBER_BITS, STEPS, RowTable, row_view
 
-__all__ = ["nonsense_view", "pinhole_matrix", "random_angles", "random_view"]
+__all__ = ["nonsense_table", "nonsense_view", "pinhole_matrix", "random_angles", "random_view",
+           "turning_view"]
 
 
 def pinhole_matrix(focal, trained, size, pan, tilt, roll, zoom):
@@ -43,3 +45,21 @@ def nonsense_view(rng, size):
         bits = int(rng.integers(q.lo, q.hi)) >> int(rng.integers(0, 32))
         raw[k] = (0, q.lo, q.hi, bits)[rng.integers(0, 4)]
     return View(tuple(raw), size)
+
+
+def turning_view(rng, geometry, focal, size=None, matrices=8, degrees=4.0, **limits):
+    """A view of :func:`random_angles` of a camera that turns while its rolling shutter reads."""
+    size, rows = size or geometry.corrected, geometry.distorted_height
+    *angles, zoom = random_angles(rng, **limits)
+    change = rng.uniform(-degrees, degrees, (3, 3))
+    moments = np.linspace(-1, 1, rows)[:, None]
+    turned = angles + change[0] * moments + change[1] * np.sin(3 * moments + change[2])
+    return row_view(np.array([pinhole_matrix(focal, geometry.corrected, size, *one, zoom)
+                              for one in turned]), size, matrices)
+
+
+def nonsense_table(rng, matrices=8):
+    """A table of any numbers, of any size and step."""
+    bits = rng.integers(-1 << NUMBER_BITS - 1, 1 << NUMBER_BITS - 1,
+                        (rng.integers(1, matrices + 1), 9)) >> rng.integers(0, NUMBER_BITS)
+    return RowTable(int(rng.choice(STEPS)), tuple(map(tuple, bits.tolist())))

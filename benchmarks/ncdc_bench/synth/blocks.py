@@ -32,6 +32,7 @@ from ncdc_spec.geometry import Geometry, ValidRows
 from ncdc_spec.hardware import Hardware
 from ncdc_spec.interpolation import DIRECTIONAL, FAST, GRADIENT
 from ncdc_spec.tansig import design_for
+from ncdc_spec.view_rows import MAX_MATRICES
 
 __all__ = ["BLOCKS", "ONLY", "SPEEDS", "component", "traits"]
 
@@ -162,6 +163,8 @@ BLOCKS = {
              "HN 16, nodes": _core(16, nodes=_NODES),
              "HN 16, nodes, table": _core(16, "table", _NODES),
              "HN 16, nodes, table, view": _core(16, "table", _NODES, view=True),
+             "HN 16, nodes, table, view, rows": _core(16, "table", _NODES, view=True,
+                                                      view_rows=MAX_MATRICES),
              "HN 16, nodes, gradient": _core(16, nodes=_NODES, interpolation=GRADIENT),
              "HN 16, nodes, table, gradient": _core(16, "table", _NODES, interpolation=GRADIENT),
              "HN 16, nodes, table, directional": _core(16, "table", _NODES,

@@ -8,6 +8,7 @@ import numpy as np
 
 from ncdc_bench.view.shaking import Shake, ShakingCamera
 from ncdc_model.example.render import ideal_samples
+from ncdc_model.golden.corrector import valid_coordinates
 from ncdc_model.stabilise.quaternions import matrices
 from ncdc_model.stabilise.stabiliser import Stabiliser
 from ncdc_model.training.choices import TrainingChoices
@@ -63,7 +64,8 @@ def steadiness(camera, descriptor, frames, smoothing=0.5, progress=lambda fracti
         ``frames``, ``points``; ``shake_degrees_rms`` about each axis, ``shake_rate_rms`` in
         degrees per second, ``readout_ms``. ``moved_px_rms``, ``moved_px_max``: of the distance
         between a point's positions in two successive pictures, in pixels. ``moved_px_rms_frame``:
-        with one matrix for all rows of a frame; ``moved_px_rms_without``: without stabilisation.
+        with one matrix for all rows of a frame; ``moved_px_rms_hardware``: by the integer model,
+        with the hardware's table of matrices; ``moved_px_rms_without``: without stabilisation.
         ``off_px_rms``, ``off_px_max``: distance from where the view should show a point.
     """
     shaking = ShakingCamera(camera, Shake(_DEGREES), _READOUT)
@@ -75,17 +77,19 @@ def steadiness(camera, descriptor, frames, smoothing=0.5, progress=lambda fracti
     rays = np.stack([*np.meshgrid(grid, grid), np.ones((len(grid),) * 2)], axis=-1).reshape(-1, 3)
     samples = ideal_samples(camera)
     origin = matrices(shaking.shake.orientation(-_LEAD))
-    positions = {"held": [], "frame": [], "free": [], "wanted": []}
+    positions = {"held": [], "hardware": [], "frame": [], "free": [], "wanted": []}
     for k in range(frames):
         seconds = k / _FPS
         raw = np.clip(np.rint(shaking.frame(seconds, samples, discs)), 0, 255).astype(np.uint8)
         steady = origin @ matrices(gyroscope.smooth(seconds + _READOUT / 2, smoothing))
         held, rows = _pixels(trained, rays @ steady), stabiliser.matrices(seconds)
         positions["wanted"].append(held)
-        for name, matrix, near in (
-                ("held", rows, held), ("frame", rows[len(rows) // 2], held),
-                ("free", np.eye(3), _pixels(trained, shaking.direction(rays, seconds)))):
-            maps = view_map(descriptor, trained.size, matrix)
+        free = _pixels(trained, shaking.direction(rays, seconds))
+        for name, maps, near in (
+                ("held", view_map(descriptor, trained.size, rows), held),
+                ("hardware", _integer_map(descriptor, stabiliser.row_view(seconds)), held),
+                ("frame", view_map(descriptor, trained.size, rows[len(rows) // 2]), held),
+                ("free", view_map(descriptor, trained.size, np.eye(3)), free)):
             positions[name].append(_centres(raw, maps, near, trained.focal))
         progress((k + 1) / frames)
     positions = {name: np.array(found) for name, found in positions.items()}
@@ -96,9 +100,17 @@ def steadiness(camera, descriptor, frames, smoothing=0.5, progress=lambda fracti
             "shake_degrees_rms": _DEGREES, "readout_ms": 1000 * _READOUT,
             "shake_rate_rms": float(np.degrees(np.sqrt((gyroscope.rates**2).mean()))),
             "moved_px_rms": _rms(moved["held"]), "moved_px_max": float(np.nanmax(moved["held"])),
+            "moved_px_rms_hardware": _rms(moved["hardware"]),
             "moved_px_rms_frame": _rms(moved["frame"]),
             "moved_px_rms_without": _rms(moved["free"]),
             "off_px_rms": _rms(off), "off_px_max": float(np.nanmax(off))}
+
+
+def _integer_map(descriptor, view):
+    """The :func:`~ncdc_model.view_map.view_map` of a view by the integer model."""
+    v, u = np.indices(view.size[::-1])
+    x, y, valid = valid_coordinates(descriptor, u, v, view)
+    return *(descriptor.formats.coordinate.real(part).astype(np.float32) for part in (x, y)), ~valid
 
 
 def _rms(values):

@@ -1,9 +1,11 @@
 """Sources of a view's pixels, by the compiled network."""
 
+from functools import partial
+
 import numpy as np
 
 from ncdc_model.compiled.coordinates import between_nodes, node_columns, tables_at
-from ncdc_model.golden.view import in_spans, node_positions
+from ncdc_model.golden.view import in_spans, node_values
 from ncdc_spec.view import COLUMN, NODE, PLANE, check_view_nodes
 
 __all__ = ["view_sources"]
@@ -24,10 +26,10 @@ def view_sources(descriptor, view):
     check_view_nodes(descriptor.nodes)
     width, height = view.size
     u, v = np.meshgrid(node_columns(width, descriptor.nodes), np.arange(height))
-    positions, inputs, fits = node_positions(descriptor, view, u, v)
+    *positions, x, y, fits = node_values(descriptor, view, u, v, partial(tables_at, descriptor))
     formats = descriptor.network_formats.coordinate, descriptor.formats.coordinate
     x, y = (between_nodes(table, descriptor.nodes, width, *formats)
-            for table in tables_at(descriptor, *inputs))
+            for table in (x, y))
     column, row = (between_nodes((p >> PLANE.f_bits - NODE.f_bits).astype(np.int32),
                                  descriptor.nodes, width, NODE, COLUMN) for p in positions)
     segments = fits[:, :-3] & fits[:, 1:-2] & fits[:, 2:-1] & fits[:, 3:]

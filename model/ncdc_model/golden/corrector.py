@@ -83,10 +83,15 @@ def window_bands(descriptor, view=None):
     """
     geometry = descriptor.geometry
     width, height = view.size if view else geometry.corrected
+    whole = None
+    if view and view.rows:          # each row needs the one above
+        v, u = np.indices((height, width))
+        whole = valid_coordinates(descriptor, u, v, view)
     for top in range(0, height, _ROWS):
         rows = slice(top, min(top + _ROWS, height))
         v, u = np.mgrid[rows, 0:width]
-        x, y, valid = valid_coordinates(descriptor, u, v, view)
+        x, y, valid = ([part[rows] for part in whole] if whole else
+                       valid_coordinates(descriptor, u, v, view))
         *window, inside = window_address(x, y, geometry, descriptor.formats.coordinate)
         yield rows, *window, valid & inside
 

@@ -3,10 +3,13 @@
 ``docs/explanation/view.md`` derives the errors.
 """
 
+from functools import partial
+
 import numpy as np
 
 from ncdc_model.golden.network import network, round_between
 from ncdc_model.golden.nodes import between, node_grid, round_sums
+from ncdc_model.golden.view_rows import added, next_rows
 from ncdc_spec.geometry import SCAN
 from ncdc_spec.reciprocal import (
     CURVE_BITS,
@@ -26,9 +29,10 @@ from ncdc_spec.view import (
     PLANE,
     check_view_nodes,
 )
+from ncdc_spec.view_rows import SETTLING
 
-__all__ = ["divided", "homogeneous", "in_spans", "node_positions", "normalised", "reciprocal",
-           "view_coordinates"]
+__all__ = ["divided", "homogeneous", "in_spans", "node_positions", "node_values", "normalised",
+           "positions_of", "reciprocal", "view_coordinates"]
 
 
 def homogeneous(view, u, v):
@@ -101,7 +105,12 @@ def node_positions(descriptor, view, u, v):
     ndarray of bool
         Whether the depth is in its range, and neither positions nor inputs overflow.
     """
-    *numerators, z = homogeneous(view, u, v)
+    return positions_of(descriptor, homogeneous(view, u, v))
+
+
+def positions_of(descriptor, sums):
+    """As :func:`node_positions`, of the ``sums`` X, Y and Z of nodes."""
+    *numerators, z = sums
     one_over, n, fits = reciprocal(z)
     scan = descriptor.geometry.scan()
     positions, inputs = [], []
@@ -113,6 +122,40 @@ def node_positions(descriptor, view, u, v):
         inputs.append(value)
         fits = fits & divides & holds
     return tuple(positions), tuple(inputs), fits
+
+
+def node_values(descriptor, view, columns, lines, network):
+    """Positions x and y, coordinates x' and y', and whether it fits, of each node of a ``view``.
+
+    With a table of matrices all rows from the first one on are computed, one after the other.
+
+    Parameters
+    ----------
+    descriptor : Descriptor
+    view : View
+    columns, lines : ndarray of int, shape (rows, nodes)
+        Pixel at each node.
+    network : callable
+        Raw coordinates (x', y') of raw inputs (x, y) of one shape.
+
+    Returns
+    -------
+    tuple of 5 ndarray, shape (rows, nodes)
+    """
+    if view.rows is None:
+        positions, inputs, fits = node_positions(descriptor, view, columns, lines)
+        return *positions, *network(*inputs), fits
+    u, found = columns[0], []
+    row = np.zeros(len(u), np.int64)
+    for line in range(-SETTLING, int(lines[-1, 0]) + 1):
+        v = np.full(len(u), max(line, 0))
+        sums = [base + more for base, more in zip(homogeneous(view, u, v),
+                                                  added(view.rows, u, v, row))]
+        positions, inputs, fits = positions_of(descriptor, sums)
+        x, y = network(*inputs)
+        row = next_rows(y, fits, descriptor.network_formats.coordinate)
+        found.append((*positions, x, y, fits))
+    return tuple(np.stack(one)[SETTLING + lines[:, 0]] for one in zip(*found))
 
 
 def view_coordinates(descriptor, view, u, v):
@@ -134,8 +177,8 @@ def view_coordinates(descriptor, view, u, v):
     if not u.size:
         return (*np.zeros((2, *u.shape), np.int64), np.zeros(u.shape, bool))
     columns, lines, nodes_of = node_grid(u, v, nodes)
-    positions, inputs, fits = node_positions(d, view, columns, lines)
-    x, y = (round_between(between(nodes_of(table), u, nodes), d) for table in network(d, *inputs))
+    *positions, x, y, fits = node_values(d, view, columns, lines, partial(network, d))
+    x, y = (round_between(between(nodes_of(table), u, nodes), d) for table in (x, y))
     column, row = (round_sums(between(nodes_of(p >> PLANE.f_bits - NODE.f_bits), u, nodes), nodes,
                               NODE, COLUMN) for p in positions)
     around = [nodes_of(fits)(u // nodes + step) for step in (-1, 0, 1, 2)]

@@ -7,7 +7,9 @@ import numpy as np
 from ncdc_model.stabilise.orientation import Gyroscope
 from ncdc_model.stabilise.quaternions import matrices
 from ncdc_spec.errors import InputError
+from ncdc_spec.view import View
 from ncdc_spec.view_matrix import PlaneCamera, view_matrix
+from ncdc_spec.view_rows import MAX_MATRICES, row_view
 
 __all__ = ["MAX_READOUT", "MAX_SMOOTHING", "Stabiliser"]
 
@@ -70,3 +72,20 @@ class Stabiliser:
         rows = matrices(self.gyroscope.at(begin + self.readout * np.arange(self.rows) / self.rows))
         steady = matrices(self.gyroscope.smooth(begin + self.readout / 2, self.smoothing))
         return view_matrix(self.trained, self.view, rows.mT @ steady @ self.rotation)
+
+    def row_view(self, seconds, limit=MAX_MATRICES):
+        """The :class:`~ncdc_spec.view.View` of the frame, with a table of ``limit`` matrices at
+        most, or without one if all rows were read at once.
+
+        ``seconds``: as for :meth:`matrices`.
+
+        Raises
+        ------
+        InputError
+            If the gyroscope has no samples of that time, or :func:`~ncdc_spec.view_rows.row_view`
+            raises it.
+        """
+        matrices = self.matrices(seconds)
+        if not self.readout:
+            return View.of(matrices[0], self.view.size)
+        return row_view(matrices, self.view.size, limit)

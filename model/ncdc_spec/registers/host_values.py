@@ -15,6 +15,7 @@ from ncdc_spec.interpolation import check_crest
 from ncdc_spec.registers.register_map import BAYER_MONO, RAW_GAINS, TABLE, network_registers
 from ncdc_spec.view import View, view_values
 from ncdc_spec.view_list import ONE_VIEW
+from ncdc_spec.view_rows import rows_values
 
 __all__ = ["address_values", "colour_values", "host_values", "network_values", "table_words"]
 
@@ -117,6 +118,7 @@ def host_values(descriptor, hardware=Hardware(), addresses=None, follow=False, c
         **(dict(zip(RAW_GAINS, colour.raw_gains)) if hardware.raw_balance else {}),
         **(view_values(view, g.corrected_height) if hardware.view else {}),
         **(ONE_VIEW if hardware.views else {}),
+        **(rows_values(view.rows) if hardware.view_rows else {}),
     }
 
 

@@ -15,6 +15,15 @@ from ncdc_spec.view_list import (
     PITCH_BITS,
     entry_register,
 )
+from ncdc_spec.view_rows import (
+    MAX_MATRICES,
+    ROWS_BANK,
+    ROWS_COUNT,
+    ROWS_REGISTERS,
+    ROWS_STATUS,
+    ROWS_STEP,
+    STEPS,
+)
 from ncdc_spec.white_balance import GAIN_BITS
 
 __all__ = ["ADDRESS_WORDS_BITS", "BAYER_MONO", "Bits", "CAPABILITIES", "capabilities",
@@ -46,7 +55,7 @@ RAW_GAINS = ("RAW_GAIN_RED", "RAW_GAIN_GREEN", "RAW_GAIN_BLUE")
 # Registers of the set that do not depend on the lens: DIGEST does not include them.
 OUTSIDE_DIGEST = ("VALID_BANK", "SOURCE_BASE", "SOURCE_LIMIT", "SOURCE_PITCH", "TARGET_BASE",
                   "TARGET_LIMIT", "OUTPUT_FORMAT", "CREST", "FOLLOW", "CACHE_SPLIT", "STRIP_WIDTH",
-                  *COLOUR_SETTINGS, *RAW_GAINS, *VIEW_REGISTERS, "VIEWS")
+                  *COLOUR_SETTINGS, *RAW_GAINS, *VIEW_REGISTERS, "VIEWS", *ROWS_REGISTERS)
 
 CTRL_START, CTRL_COMMIT, CTRL_ABORT = 1, 2, 4
 STATUS_BUSY, STATUS_DONE, STATUS_PENDING = 1, 2, 4
@@ -344,6 +353,18 @@ _POSITION = (
              "pixel, a multiple of the memory word"),
     Register(PITCH, 0, "shadow", Bits(PITCH_BITS), "bytes from row to row, a multiple of the "
              "memory word and no less than a row; 0: rows follow without a gap"))
+_VIEW_ROWS = (
+    Register(ROWS_COUNT, _VIEW + 10, "shadow", Bits(MAX_MATRICES.bit_length()),
+             "Rolling shutter: matrices of the table that are in use, at most `LIMIT`. "
+             "0: none, the view's matrix is that of all rows."),
+    Register(ROWS_STEP, _VIEW + 11, "shadow", Bits((len(STEPS) - 1).bit_length()),
+             "Rolling shutter: raw rows from matrix to matrix; "
+             + ", ".join(f"{k}: {step}" for k, step in enumerate(STEPS)) + "."),
+    Register(ROWS_BANK, _VIEW + 12, "shadow", Bits(1),
+             "Rolling shutter: bank of the table that frames use."),
+    _action(ROWS_STATUS, _VIEW + 13, "",
+            Flag("LIMIT", 0x7F, "ro", "matrices that this instance has space for"),
+            Flag("BANK", 0x80, "ro", "bank of the table in use"), access="ro"))
 _HIDDEN, _OUTPUT, _OUTPUT_BIAS, SKIP = 0x100, 0x200, 0x280, 0x284
 
 
@@ -399,10 +420,11 @@ def listed(table):
 
 
 def registers(hidden_neurons, formats, nodes=1, colour=False, raw_balance=False, view=False,
-              views=0):
+              views=0, view_rows=0):
     """All registers of an instance, by ascending address."""
     optional = (*(_COLOUR if colour else ()), *(_RAW_GAINS if raw_balance else ()),
-                *(_VIEWS if view else ()), *(_LIST_CONTROL if views else ()))
+                *(_VIEWS if view else ()), *(_LIST_CONTROL if views else ()),
+                *(_VIEW_ROWS if view_rows else ()))
     return (*_FIXED, *([_NODES] if nodes > 1 else []),
             *sorted(optional, key=lambda row: row.address),
             *network_registers(hidden_neurons, formats), *_list_registers(views))

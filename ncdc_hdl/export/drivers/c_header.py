@@ -6,6 +6,7 @@ from ncdc_model.golden.tone import tone_named
 from ncdc_spec.frames import SOURCE_BEYOND
 from ncdc_spec.registers.register_map import ID, TABLE, VERSION, counters
 from ncdc_spec.tone import COMMON_TONES
+from ncdc_spec.view_rows import ROWS_COUNT, ROWS_TABLE
 
 __all__ = ["c_header", "c_lenses", "c_lenses_header"]
 
@@ -22,8 +23,11 @@ def c_header(table):
     lines += [f"#define NCDC_{r.name} 0x{4 * r.address:04X}u /* {r.access}: {_comment(r.text)} */"
               for r in table]
     lines += [f"#define NCDC_VALID_ROWS 0x{4 * TABLE:04X}u "
-              "/* rw: 8 bytes per row, two spans of start | stop << 16 */", "",
-              f"#define NCDC_ID_VALUE 0x{ID:X}u", f"#define NCDC_VERSION {VERSION}u",
+              "/* rw: 8 bytes per row, two spans of start | stop << 16 */"]
+    if any(r.name == ROWS_COUNT for r in table):
+        lines += [f"#define NCDC_VIEW_MATRICES 0x{4 * ROWS_TABLE:04X}u "
+                  "/* wo: + 4096 bank + 64 k + 16 row + 4 column */"]
+    lines += ["", f"#define NCDC_ID_VALUE 0x{ID:X}u", f"#define NCDC_VERSION {VERSION}u",
               f"#define NCDC_SOURCE_BEYOND {SOURCE_BEYOND}u "
               "/* most bytes after a raw frame's last row that may be read; rows are not */"]
     lines += [f"#define NCDC_{r.name}_{flag.name} 0x{flag.mask:X}u /* {flag.access}: {flag.text} */"

@@ -11,6 +11,7 @@ from ncdc_spec.registers.register_map import ADDRESS_WORDS_BITS, NODES, SKIP, TA
 from ncdc_spec.registers.system_map import system_registers
 from ncdc_spec.registers.system_values import stores_for
 from ncdc_spec.view_list import MAX_VIEWS
+from ncdc_spec.view_rows import MAX_MATRICES, ROWS_TABLE
 
 __all__ = ["register_doc"]
 
@@ -23,7 +24,9 @@ def register_doc(hidden_neurons, formats):
         If the registers of one kind are not at equal distances.
     """
     lines = _rows(registers(hidden_neurons, formats, colour=True, raw_balance=True, view=True,
-                            views=MAX_VIEWS))
+                            views=MAX_VIEWS, view_rows=MAX_MATRICES))
+    lines.append(f"| 0x{4 * ROWS_TABLE:04X} + 4096 b + 64 k + 16 r + 4 c | `VIEW_MATRICES` | wo | "
+                 "32 | Rolling shutter: row r, column c of matrix k in bank b, see below. |\n")
     lines.append(f"| 0x{4 * TABLE:04X} + 8 r | `VALID_ROWS` | rw | 2 x 32 | "
                  "Spans of pixels with a source in row r, see below. |\n")
     bits = MAX_SIZE.bit_length() - 1

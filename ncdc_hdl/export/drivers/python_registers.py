@@ -4,6 +4,7 @@ from ncdc_model.golden.tone import tone_named
 from ncdc_spec.frames import SOURCE_BEYOND
 from ncdc_spec.registers.register_map import ID, INTERPOLATION_BITS, TABLE, VERSION, counters
 from ncdc_spec.tone import COMMON_TONES
+from ncdc_spec.view_rows import ROWS_COUNT, ROWS_TABLE, STEPS
 
 __all__ = ["python_lenses", "python_registers"]
 
@@ -13,8 +14,11 @@ def python_registers(table):
     lines = ['"""Registers of the NCDC corrector: byte offsets from its base, masks of flags."""',
              "", "OFFSET = {"]
     lines += [f'    "{r.name}": 0x{4 * r.address:04X},' for r in table]
-    lines += ["}", f"VALID_ROWS = 0x{4 * TABLE:04X}",
-              f"COUNTERS = {tuple(r.name for r in counters(table))!r}", "", f"ID_VALUE = 0x{ID:X}",
+    lines += ["}", f"VALID_ROWS = 0x{4 * TABLE:04X}"]
+    if any(r.name == ROWS_COUNT for r in table):
+        lines += ["", "# Table of a view's matrices, for ncdc_driver.Corrector.view_rows.",
+                  f"VIEW_MATRICES = 0x{4 * ROWS_TABLE:04X}", f"VIEW_ROW_STEPS = {STEPS}", ""]
+    lines += [f"COUNTERS = {tuple(r.name for r in counters(table))!r}", "", f"ID_VALUE = 0x{ID:X}",
               f"VERSION = {VERSION}", f"SOURCE_BEYOND = {SOURCE_BEYOND}"]
     lines += [f"{r.name}_{flag.name} = 0x{flag.mask:X}" for r in table for flag in r.flags]
     lines += ["", "# Flags of CAPABILITIES.", "INTERPOLATIONS = {",

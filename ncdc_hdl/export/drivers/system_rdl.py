@@ -1,6 +1,7 @@
 """The registers as SystemRDL 2.0."""
 
 from ncdc_spec.registers.register_map import ADDRESS_WORDS_BITS, TABLE
+from ncdc_spec.view_rows import ROWS_TABLE
 
 __all__ = ["system_rdl"]
 
@@ -35,7 +36,13 @@ def system_rdl(agent):
               '        desc = "Valid rows: start | stop << 16 of two spans.";',
               f"        mementries = {(1 << ADDRESS_WORDS_BITS) - TABLE};",
               "        memwidth = 32;",
-              "        sw = rw;", f"    }} VALID_ROWS @ 0x{4 * TABLE:04X};", "};", ""]
+              "        sw = rw;", f"    }} VALID_ROWS @ 0x{4 * TABLE:04X};"]
+    if agent.view_rows:
+        lines += ["    external mem {",
+                  '        desc = "View: matrices down the raw frame.";',
+                  "        mementries = 2048;", "        memwidth = 32;", "        sw = w;",
+                  f"    }} VIEW_MATRICES @ 0x{4 * ROWS_TABLE:04X};"]
+    lines += ["};", ""]
     return "\n".join(lines)
 
 

@@ -29,6 +29,7 @@ from ncdc_spec.registers.register_map import (
     CTRL_START,
     registers,
 )
+from ncdc_spec.view_rows import rows_words
 
 __all__ = ["Simulation", "corrector_program", "registers_of", "simulate_correction",
            "tiles_fetched"]
@@ -118,12 +119,13 @@ def corrector_program(descriptor, hardware, checked=True, follow=False, colour=C
     writes = [(rows[name].address, value)
               for name, value in host.items()]
     writes += table_words(descriptor.valid)
+    written_only = rows_words(view.rows) if view and view.rows else []
     target = host["TARGET_BASE"]
     picture = view.geometry(descriptor.geometry) if view else descriptor.geometry
     written = 0 if hardware.stream else frame_bytes(picture, output_format(hardware.format))
     program = Program().allow((host["SOURCE_BASE"], host["SOURCE_LIMIT"]),
                               (target, target + written))
-    for address, value in [*writes, (rows["IRQ_ENABLE"].address, 1)]:
+    for address, value in [*writes, *written_only, (rows["IRQ_ENABLE"].address, 1)]:
         program.write(address, value)
     if checked:
         for address, value in writes:
@@ -147,7 +149,8 @@ def registers_of(descriptor, hardware):
     return {r.name: r for r in registers(descriptor.hidden_neurons, descriptor.formats,
                                          colour=hardware.colour,
                                          raw_balance=hardware.raw_balance,
-                                         view=hardware.view, views=hardware.views)}
+                                         view=hardware.view, views=hardware.views,
+                                         view_rows=hardware.view_rows)}
 
 
 def _colour_counters(hardware):

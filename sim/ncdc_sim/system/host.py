@@ -42,7 +42,8 @@ class SystemHost:
         descriptor = system.descriptor
         table = (*registers(descriptor.hidden_neurons, descriptor.formats, descriptor.nodes,
                             system.hardware.colour, system.hardware.raw_balance,
-                            system.hardware.view, system.hardware.views),
+                            system.hardware.view, system.hardware.views,
+                            system.hardware.view_rows),
                  *system.table)
         driver = _driver(python_registers(table))
         self.camera = driver.CameraSystem(lambda offset: live.read(offset >> 2),

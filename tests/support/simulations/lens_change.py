@@ -22,6 +22,7 @@ from ncdc_spec.registers.register_map import (
     TABLE,
 )
 from ncdc_spec.view import VIEW_REGISTERS
+from ncdc_spec.view_rows import ROWS_COUNT, rows_values, rows_words
 from simulations.series import aligned, differing, output_bytes
 
 __all__ = ["LensChange", "simulate_lens_change"]
@@ -175,13 +176,20 @@ def _prepare(program, layout, rows, k, intruder):
     if view:
         changed |= dict(zip(VIEW_REGISTERS, view.matrix)) | {
             "CORRECTED_WIDTH": view.size[0], "CORRECTED_HEIGHT": view.size[1]}
+    if ROWS_COUNT in rows:
+        changed |= rows_values(view.rows, bank)
     for name, value in changed.items():
         program.write(rows[name].address, value)
     program.write(rows["VALID_WINDOW"].address, bank)
     for row, value in enumerate(lens.valid_rows):
         program.write(TABLE + row, value)
+    words = rows_words(view.rows, bank) if view and view.rows else []
+    for address, value in words:
+        program.write(address, value)
     program.write(rows["CTRL"].address, CTRL_COMMIT | CTRL_START)
     if intruder:
+        for address, value in words:
+            program.write(address, ~value)
         for name, value in changed.items():
             program.write(rows[name].address, ~value)
         for row in range(len(lens.valid_rows)):

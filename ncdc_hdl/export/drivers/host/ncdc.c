@@ -128,6 +128,30 @@ enum ncdc_result ncdc_views(const struct ncdc *device, const struct ncdc_view *v
 }
 #endif
 
+#ifdef NCDC_VIEW_ROWS
+enum ncdc_result ncdc_view_rows(const struct ncdc *device, uint32_t step,
+                                const int32_t (*matrices)[9], uint32_t count)
+{
+    uint32_t status = get(device, NCDC_VIEW_ROWS_STATUS);
+    uint32_t bank = status & NCDC_VIEW_ROWS_STATUS_BANK ? 0 : 1;
+    uint32_t table = NCDC_VIEW_MATRICES + 4096 * bank;
+    uint32_t k, number;
+
+    if (count > field(status, NCDC_VIEW_ROWS_STATUS_LIMIT) || step > 3)
+        return NCDC_ERROR_SIZE;
+    if (get(device, NCDC_STATUS) & NCDC_STATUS_COMMITTED)
+        return NCDC_ERROR_COMMITTED;
+    for (k = 0; k < count; ++k)
+        for (number = 0; number < 9; ++number)
+            put(device, table + 64 * k + 16 * (number / 3) + 4 * (number % 3),
+                (uint32_t)matrices[k][number]);
+    put(device, NCDC_VIEW_ROWS, count);
+    put(device, NCDC_VIEW_ROWS_STEP, step);
+    put(device, NCDC_VIEW_ROWS_BANK, bank);
+    return rejected(device);
+}
+#endif
+
 void ncdc_commit(const struct ncdc *device)
 {
     put(device, NCDC_CTRL, NCDC_CTRL_COMMIT);

@@ -73,7 +73,8 @@ enum ncdc_result {
     NCDC_ERROR_TIMEOUT,     /* no frame was complete in time */
     NCDC_ERROR_ABORTED,     /* the frame that is complete lacks pixels */
     NCDC_ERROR_VERSION,     /* the corrector has registers that this driver does not support */
-    NCDC_ERROR_SIZE,        /* the lens is larger than the corrector, or no multiple of its lanes */
+    NCDC_ERROR_SIZE,        /* the lens is larger than the corrector, or no multiple of its lanes;
+                             * or there are more matrices, or another step, than it has */
     NCDC_ERROR_ALIGNMENT,   /* a buffer does not begin on a memory word */
     NCDC_ERROR_ROOM,        /* a buffer is too small for a frame of the lens */
     NCDC_ERROR_FAULT,       /* the corrector rejected a frame, or an access outside its buffers */
@@ -103,6 +104,14 @@ enum ncdc_result ncdc_place(const struct ncdc *device, const struct ncdc_lens *l
  * than the corrector makes. */
 enum ncdc_result ncdc_views(const struct ncdc *device, const struct ncdc_view *views,
                             uint32_t count);
+#endif
+
+#ifdef NCDC_VIEW_ROWS
+/* A table of `count` matrices down the raw frame, for the next commit; 0: none. The nine numbers
+ * of each are row by row, see docs/explanation/view.md. Matrix k belongs to the raw row
+ * k * (8 << step). A frame that runs meanwhile does not use them. */
+enum ncdc_result ncdc_view_rows(const struct ncdc *device, uint32_t step,
+                                const int32_t (*matrices)[9], uint32_t count);
 #endif
 
 /* Make what was written active at the next frame boundary. */

@@ -7,6 +7,7 @@ __all__ = ["Corrector", "CorrectorError", "grey_world"]
 
 _COLOURS = ("RED", "GREEN", "BLUE")
 _LARGEST_NODE = 256     # largest node of a tone curve
+_LARGEST_NUMBER = (1 << 26) - 1     # of a table of matrices
 
 
 class CorrectorError(RuntimeError):
@@ -245,7 +246,8 @@ class Corrector:
             If there are not nine, one does not fit 32 bits, a commit still waits, or the corrector
             has no view.
         """
-        names = [name for name in registers.OFFSET if name.startswith("VIEW_")]
+        names = [name for name in registers.OFFSET
+                 if name.startswith("VIEW_") and not name.startswith("VIEW_ROWS")]
         if not self.has_view or not names:
             raise CorrectorError("the corrector has no view: it was generated without --view")
         self._put_set(names, words, "number of the view's matrix", (1 << 31) - 1, -1 << 31)
@@ -279,6 +281,47 @@ class Corrector:
         self._free(self.get("STATUS"))
         for name, value in (values | {"VIEWS": len(entries)}).items():
             self.put(name, value)
+        self._taken()
+
+    def view_rows(self, step, matrices):
+        """A table of matrices down the raw frame, for the next commit; none switches it off.
+
+        Each has nine numbers row by row, see docs/explanation/view.md of the project. That of the
+        raw row k ``step`` is the one of number k. A frame that runs meanwhile does not use them.
+
+        Raises
+        ------
+        CorrectorError
+            If there is no such step, there are more matrices than the corrector has space for, one
+            has not nine numbers or one that does not fit 27 bits, a commit still waits, or the
+            corrector has no table.
+        """
+        if "VIEW_ROWS" not in registers.OFFSET:
+            raise CorrectorError("the corrector has no table of matrices: it was generated without "
+                                 "--view-rows")
+        status = self.get("VIEW_ROWS_STATUS")
+        limit = _field(status, registers.VIEW_ROWS_STATUS_LIMIT)
+        if step not in registers.VIEW_ROW_STEPS:
+            raise CorrectorError(f"the step is {step} rows, one of "
+                                 f"{', '.join(map(str, registers.VIEW_ROW_STEPS))} is needed")
+        if len(matrices) > limit:
+            raise CorrectorError(f"there are {len(matrices)} matrices, the limit is {limit}")
+        for k, matrix in enumerate(matrices):
+            if len(matrix) != 9 or any(number not in range(-_LARGEST_NUMBER - 1,
+                                                           _LARGEST_NUMBER + 1)
+                                       for number in matrix):
+                raise CorrectorError(f"matrix {k} is {list(matrix)}, nine integers of "
+                                     f"{-_LARGEST_NUMBER - 1} to {_LARGEST_NUMBER} are needed")
+        self._free(self.get("STATUS"))
+        bank = 0 if status & registers.VIEW_ROWS_STATUS_BANK else 1
+        for k, matrix in enumerate(matrices):
+            for number, value in enumerate(matrix):
+                row, column = divmod(number, 3)
+                self.write(registers.VIEW_MATRICES + 4096 * bank + 64 * k + 16 * row + 4 * column,
+                           int(value) & 0xFFFFFFFF)
+        self.put("VIEW_ROWS", len(matrices))
+        self.put("VIEW_ROWS_STEP", registers.VIEW_ROW_STEPS.index(step))
+        self.put("VIEW_ROWS_BANK", bank)
         self._taken()
 
     def tone(self, nodes):
