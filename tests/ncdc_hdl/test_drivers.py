@@ -277,6 +277,87 @@ except CorrectorError as error:
 """
 
 
+VIEW_ROWS = """
+import ncdc_registers as r
+from ncdc_driver import Corrector, CorrectorError
+words = {r.OFFSET["ID"]: r.ID_VALUE, r.OFFSET["CAPABILITIES"]: r.VERSION | r.CAPABILITIES_VIEW,
+         r.OFFSET["VIEW_ROWS_STATUS"]: 3}
+corrector = Corrector(lambda offset: words.get(offset, 0), words.__setitem__)
+corrector.view([1] * 9)
+corrector.view_rows(16, [range(1, 10), [-1] * 9])
+table = r.VIEW_MATRICES + 4096
+print(words[table + 24], words[table + 64 + 32], [
+    words[r.OFFSET[name]] for name in ("VIEW_ROWS", "VIEW_ROWS_STEP", "VIEW_ROWS_BANK")])
+words[r.OFFSET["VIEW_ROWS_STATUS"]] = 3 | r.VIEW_ROWS_STATUS_BANK
+corrector.view_rows(8, [[7] * 9])
+print(words[r.VIEW_MATRICES], words[r.OFFSET["VIEW_ROWS_BANK"]])
+for step, matrices in ((9, []), (8, [[0] * 9] * 4), (8, [[0] * 8]), (8, [[1 << 26] * 9])):
+    try:
+        corrector.view_rows(step, matrices)
+    except CorrectorError as error:
+        print(error)
+del r.OFFSET["VIEW_ROWS"]
+try:
+    corrector.view_rows(8, [])
+except CorrectorError as error:
+    print(error)
+"""
+
+VIEW_ROWS_C = """#include <stdio.h>
+#include "ncdc.h"
+static uint32_t words[0x4000];
+static uint32_t read_word(void *context, uint32_t offset)
+{
+    (void)context;
+    return words[offset / 4];
+}
+static void write_word(void *context, uint32_t offset, uint32_t value)
+{
+    (void)context;
+    words[offset / 4] = value;
+}
+int main(void)
+{
+    static const struct ncdc device = {read_word, write_word, 0};
+    static const int32_t matrices[2][9] = {{1, 2, 3, 4, 5, 6, 7, 8, 9}, {-1}};
+
+    words[NCDC_VIEW_ROWS_STATUS / 4] = 2;
+    printf("%d ", ncdc_view_rows(&device, 1, matrices, 2));
+    printf("%d ", (int)words[NCDC_VIEW_ROWS_BANK / 4]);
+    printf("%d %d ", (int)words[(NCDC_VIEW_MATRICES + 4096 + 24) / 4],
+           (int)words[(NCDC_VIEW_MATRICES + 4096 + 64) / 4]);
+    printf("%d %d", ncdc_view_rows(&device, 1, matrices, 3) == NCDC_ERROR_SIZE,
+           ncdc_view_rows(&device, 4, matrices, 1) == NCDC_ERROR_SIZE);
+    return 0;
+}
+"""
+
+
+def test_the_drivers_write_a_table_of_matrices(tmp_path):
+    lens = replace(barrel_descriptor((160, 32), (168, 36), hidden_neurons=3, strength=.02),
+                   nodes=8)
+    made = Corrector(lens, Hardware(view=True, view_rows=3))
+    for name, text in driver_files(made, [("wide.toml", lens)]).items():
+        (tmp_path / name).write_text(text)
+    done = subprocess.run([sys.executable, "-c", VIEW_ROWS], cwd=tmp_path, text=True,
+                          capture_output=True)
+    assert done.stdout.splitlines() == [
+        "6 4294967295 [2, 1, 1]", "7 0",
+        "the step is 9 rows, one of 8, 16, 32, 64 is needed",
+        "there are 4 matrices, the limit is 3",
+        "matrix 0 is [0, 0, 0, 0, 0, 0, 0, 0], nine integers of -67108864 to 67108863 are needed",
+        f"matrix 0 is {[1 << 26] * 9}, nine integers of -67108864 to 67108863 are needed",
+        "the corrector has no table of matrices: it was generated without --view-rows"], done.stderr
+    (tmp_path / "rows.c").write_text(VIEW_ROWS_C)
+    compile_c(tmp_path, "-o", "rows", "rows.c", "ncdc.c", "ncdc_lenses.c")
+    done = subprocess.run([tmp_path / "rows"], check=True, text=True, stdout=subprocess.PIPE)
+    assert done.stdout == "0 1 6 -1 1 1"
+    compiler = RDLCompiler()
+    compiler.compile_file(str(tmp_path / "ncdc.rdl"))
+    names = {node.inst_name for node in compiler.elaborate().top.descendants()}
+    assert {"VIEW_ROWS", "VIEW_ROWS_STATUS", "VIEW_MATRICES"} <= names
+
+
 def test_the_python_driver_writes_a_view(tmp_path):
     lens = replace(barrel_descriptor((160, 32), (168, 36), hidden_neurons=3, strength=.02),
                    nodes=8)

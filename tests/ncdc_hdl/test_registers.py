@@ -19,6 +19,7 @@ from ncdc_spec.registers.register_map import (
     TABLE,
     registers,
 )
+from ncdc_spec.view_rows import ROWS_TABLE
 from register_contract import (
     BY_NAME,
     ROWS,
@@ -231,6 +232,50 @@ def test_banks_of_the_table_are_separate():
         assert await host.read(TABLE + 2 * 5 + 1) == dict(table_words(D.valid))[TABLE + 11]
 
     run(bench)
+
+
+def test_a_table_of_matrices_is_written_whole():
+    """A running frame holds one of its two banks, a committed set the other; each write of a number
+    goes to its place."""
+    rows = {r.name: r.address for r in registers(3, D.formats, view=True, view_rows=20)}
+
+    async def bench(ctx, dut, host):
+        seen = []
+
+        async def takes(bank):
+            await host.write(ROWS_TABLE + 1024 * bank + 16 * 19 + 4 * 2 + 1, -5)
+            taken = bool(seen)
+            if taken:
+                assert seen.pop() == (bank, 19, 2, 1, -5) and not seen
+            assert bool(await status(host) & STATUS_REFUSED) != taken
+            await host.write(rows["STATUS"], STATUS_REFUSED)
+            return taken
+
+        writes = dut.row_writes
+        tick = ctx.tick
+
+        def watched():
+            if ctx.get(writes.write):
+                seen.append(tuple(ctx.get(getattr(writes, name)) for name in (
+                    "bank", "matrix", "row", "column", "word")))
+            return tick()
+
+        ctx.tick = watched
+        assert await takes(0) and await takes(1)
+        await control(ctx, host, CTRL_START)
+        assert not await takes(0) and await takes(1)
+        await host.write(rows["VIEW_ROWS_BANK"], 1)
+        await control(ctx, host, CTRL_COMMIT)
+        assert not await takes(0) and not await takes(1)
+        assert await host.read(rows["VIEW_ROWS_STATUS"]) == 20
+        await end_frame(ctx, dut)
+        await ctx.tick()
+        assert await host.read(rows["VIEW_ROWS_STATUS"]) == 20 | 128
+        await control(ctx, host, CTRL_START)
+        assert await takes(0) and not await takes(1)
+        assert await host.read(ROWS_TABLE + 16) == 0 == await host.read(rows["ALTERED"])
+
+    run(bench, view_rows=20)
 
 
 @pytest.mark.parametrize("address", [0x7F, 0x1F00])

@@ -75,7 +75,7 @@ def test_another_table_with_every_frame(settings, frames):
              for k, view in enumerate(views)]
     corrector = Corrector(pair[0][0], Hardware(view=True, view_rows=9, **settings))
     result = simulate_lens_change(corrector, verilog_of(corrector), pair, frames, views=views,
-                                  memory="hostile", intruder=True)
+                                  memory="hostile")
     assert result.differing == (0,) * frames
 
 

@@ -24,13 +24,16 @@ SHADOW_ROWS = [r for r in ROWS if r.access == "shadow"]
 
 class Dut(Elaboratable):
     """The registers of ``D``, its table of valid rows, and the memories of its weights if units
-    serve ``share`` neurons in turn. ``rst`` resets all."""
+    serve ``share`` neurons in turn; ``view_rows`` matrices of a view. ``rst`` resets all."""
 
-    def __init__(self, share=1):
+    def __init__(self, share=1, view_rows=0):
         hardware = Hardware(share=share)
         stored = in_memory(ROWS, hardware)
-        self.registers = Registers(ROWS, host_values(D), digest=int(D.digest[:8], 16),
-                                   hidden_neurons=3,
+        rows = ROWS
+        if view_rows:
+            rows = registers(3, D.formats, view=True, view_rows=view_rows)
+        self.registers = Registers(rows, host_values(D), digest=int(D.digest[:8], 16),
+                                   hidden_neurons=3, view_rows=view_rows,
                                    capabilities={"CAPABILITIES": 7, "LARGEST": 9},
                                    in_memory=stored, neurons=hardware.served(3))
         self.table = ValidTable(D.valid, *D.geometry.corrected)
@@ -98,9 +101,9 @@ async def wait(ctx, clocks):
         await ctx.tick()
 
 
-def run(bench, share=1):
+def run(bench, share=1, view_rows=0):
     """Simulate ``bench(ctx, registers, host)``."""
-    dut = Dut(share)
+    dut = Dut(share, view_rows)
 
     async def testbench(ctx):
         await bench(ctx, dut.registers, Host(ctx, dut.registers.bus))

@@ -183,13 +183,10 @@ def _prepare(program, layout, rows, k, intruder):
     program.write(rows["VALID_WINDOW"].address, bank)
     for row, value in enumerate(lens.valid_rows):
         program.write(TABLE + row, value)
-    words = rows_words(view.rows, bank) if view and view.rows else []
-    for address, value in words:
+    for address, value in rows_words(view.rows, bank) if view and view.rows else ():
         program.write(address, value)
     program.write(rows["CTRL"].address, CTRL_COMMIT | CTRL_START)
     if intruder:
-        for address, value in words:
-            program.write(address, ~value)
         for name, value in changed.items():
             program.write(rows[name].address, ~value)
         for row in range(len(lens.valid_rows)):
