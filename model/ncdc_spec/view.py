@@ -9,8 +9,8 @@ from ncdc_spec.fixed import Q
 from ncdc_spec.geometry import MAX_SIZE, MIN_SIZE
 from ncdc_spec.nodes import AFTER, BEFORE, NODES
 
-__all__ = ["COLUMN", "DEPTH_SHIFTS", "FORMATS", "NAMES", "NODE", "NUMERATOR", "PLANE",
-           "PLANE_HEIGHT", "SUM_BITS", "VIEW_REGISTERS", "View", "check_view_nodes",
+__all__ = ["CAMERA_FORMATS", "COLUMN", "DEPTH_SHIFTS", "FORMATS", "NAMES", "NODE", "NUMERATOR",
+           "PLANE", "PLANE_HEIGHT", "SUM_BITS", "VIEW_REGISTERS", "View", "check_view_nodes",
            "rounded_matrix", "scale_of", "view_values"]
 
 _POSITION, _POSITION_STEP = Q(15, 17), Q(5, 27)
@@ -28,6 +28,10 @@ PLANE_HEIGHT = "PLANE_HEIGHT"
 
 VIEW_REGISTERS = tuple(name for row in NAMES for name in row)
 """Those registers in the order of :attr:`View.matrix`."""
+
+CAMERA_FORMATS = {"PLANE_FOCAL": Q(16, 16), "PLANE_CENTRE_X": _POSITION,
+                  "PLANE_CENTRE_Y": _POSITION, "PLANE_ASPECT": _DEPTH}
+"""Registers of the camera of the trained picture, and their formats."""
 
 DEPTH_SHIFTS = 7
 """Depths of nodes are from 2**-7 to below 2; others have no source."""

@@ -21,9 +21,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from ncdc_spec.errors import InputError
-from ncdc_spec.view import View
+from ncdc_spec.view import CAMERA_FORMATS, View
 
-__all__ = ["Angles", "LIMITS", "PlaneCamera", "has_plane", "view_matrix"]
+__all__ = ["Angles", "LIMITS", "PlaneCamera", "camera_values", "frame_of_values", "has_plane",
+           "view_matrix"]
 
 LIMITS = {"pan": (-90.0, 90.0), "tilt": (-90.0, 90.0), "roll": (-180.0, 180.0),
           "zoom": (0.25, 8.0)}
@@ -140,6 +141,33 @@ def has_plane(descriptor):
     """Whether the descriptor states the camera of its corrected picture."""
     frame = descriptor.provenance.get("frame")
     return isinstance(frame, list | tuple) and len(frame) >= 3
+
+
+def camera_values(descriptor):
+    """Register values, by name, of the camera of the trained picture.
+
+    The corrector does nothing with them: they tell a device what its lens needs for a view. All
+    are 0 if the descriptor does not state the camera, or states one that does not fit them.
+
+    Raises
+    ------
+    InputError
+        If it states what no camera has.
+    """
+    numbers = ()
+    if has_plane(descriptor):
+        camera = PlaneCamera.of(descriptor)
+        numbers = camera.focal, *camera.centre, camera.aspect
+    raw = [round(number * 2**q.f_bits) for number, q in zip(numbers, CAMERA_FORMATS.values())]
+    fits = raw and raw[0] and all(q.holds(one) for one, q in zip(raw, CAMERA_FORMATS.values()))
+    return dict(zip(CAMERA_FORMATS, raw if fits else [0] * len(CAMERA_FORMATS)))
+
+
+def frame_of_values(values):
+    """``provenance.frame`` of a descriptor whose camera the register ``values`` state, by name;
+    None if they do not."""
+    frame = [float(q.real(values[name])) for name, q in CAMERA_FORMATS.items()]
+    return frame if frame[0] > 0 and frame[3] > 0 else None
 
 
 def view_matrix(trained, view, rotation):

@@ -97,8 +97,8 @@ def test_pictures_of_a_view_are_the_golden_model_s():
             np.frombuffer(one.camera.newest().data, np.uint8).reshape(SIZE[::-1]), raw)
 
 
-def test_a_lens_that_is_loaded_has_the_view_of_the_one_before():
-    lens, other, raw = view_lens(), view_lens(9), noise_picture(*SIZE)
+def test_a_lens_that_is_loaded_brings_its_camera():
+    lens, other, raw = view_lens(), view_lens(9, 52.5), noise_picture(*SIZE)
     with device([lens], raw) as one:
         controlled(one)
         write(one, feature("Pan").address, 800)
@@ -110,6 +110,32 @@ def test_a_lens_that_is_loaded_has_the_view_of_the_one_before():
             client.load_lens(other)
         wanted = correct(other, raw, view=PlaneCamera.of(other).looking(Angles(pan=8))).picture
         np.testing.assert_array_equal(picture(one), wanted)
+        assert read(one, "ViewFocal") == (0, 5250)
+
+
+def test_a_lens_without_a_camera_is_shown_as_trained():
+    blind, raw = replace(view_lens(9), provenance={}), noise_picture(*SIZE)
+    with device([view_lens()], raw) as one:
+        controlled(one)
+        write(one, feature("Pan").address, 800)
+        write(one, gvcp.register("ControlPrivilege").address, 0)
+        with open_device(f"gige://{one.options.address}") as client:
+            client.load_lens(blind)
+            assert read(one, "ViewFocal") == (0, 0) and read(one, "Pan") == (0, 800)
+            np.testing.assert_array_equal(picture(one), correct(blind, raw).picture)
+            client.load_lens(view_lens())
+        assert read(one, "ViewFocal") == (0, 4126)
+
+
+def test_a_lens_that_cannot_look_so_far_is_rejected():
+    with device([view_lens()]) as one:
+        controlled(one)
+        write(one, feature("Pan").address, 9000)
+        write(one, gvcp.register("ControlPrivilege").address, 0)
+        with open_device(f"gige://{one.options.address}") as client, \
+                pytest.raises(DeviceError, match="rejects the lens"):
+            client.load_lens(view_lens(2, 9000))
+        assert read(one, "ViewFocal") == (0, 4126)
 
 
 @pytest.mark.parametrize("scheme", ["gige", pytest.param("aravis", marks=pytest.mark.longer)])

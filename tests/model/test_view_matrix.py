@@ -1,5 +1,7 @@
 """Matrices of views: conventions, SciPy's rotations, OpenCV's perspective."""
 
+from dataclasses import replace
+
 import cv2
 import numpy as np
 import pytest
@@ -9,7 +11,15 @@ from cameras import barrel_descriptor
 from ncdc_model.evaluate import float_map
 from ncdc_model.view_map import plane_points, view_map
 from ncdc_spec.errors import InputError
-from ncdc_spec.view_matrix import LIMITS, Angles, PlaneCamera, view_matrix
+from ncdc_spec.view import CAMERA_FORMATS
+from ncdc_spec.view_matrix import (
+    LIMITS,
+    Angles,
+    PlaneCamera,
+    camera_values,
+    frame_of_values,
+    view_matrix,
+)
 from plane_lens import SIZE, seen_lens
 
 TRAINED = PlaneCamera(SIZE, 60.0, (46.5, 33.0), 1.1)
@@ -128,3 +138,23 @@ def test_the_view_of_angles_is_that_of_their_matrix():
 def test_a_descriptor_without_a_focal_length():
     with pytest.raises(InputError, match="does not state the focal length"):
         PlaneCamera.of(barrel_descriptor())
+
+
+@pytest.mark.parametrize("frame", [[1234.567, -300.25, 541.0, 1.01], [0.5, 0, 0]])
+def test_registers_hold_the_camera_of_a_picture(frame):
+    values = camera_values(replace(seen_lens(), provenance={"frame": frame}))
+    assert list(values) == list(CAMERA_FORMATS)
+    assert frame_of_values(values) == pytest.approx([*frame, 1.0][:4], abs=2.0**-17)
+
+
+@pytest.mark.parametrize("provenance", [
+    {}, {"frame": [32768.0, 0, 0]}, {"frame": [2.0**-18, 0, 0]}, {"frame": [100, 16384.0, 0]},
+    {"frame": [100, 0, 0, 2.0]}])
+def test_a_camera_that_no_register_holds_is_not_known(provenance):
+    values = camera_values(replace(seen_lens(), provenance=provenance))
+    assert set(values.values()) == {0} and frame_of_values(values) is None
+
+
+def test_a_camera_that_cannot_be_is_rejected():
+    with pytest.raises(InputError, match="a focal length above 0"):
+        camera_values(replace(seen_lens(), provenance={"frame": [-5.0, 0, 0]}))

@@ -8,6 +8,7 @@ from ncdc_host.client.errors import DeviceError, Rejected
 from ncdc_spec.errors import InputError
 from ncdc_spec.formats import MAX_NEURONS, Formats
 from ncdc_spec.geometry import BAYER_PHASE, MONO
+from ncdc_spec.hardware import Hardware
 from ncdc_spec.protocols.gvcp import CORRECTOR_BASE
 from ncdc_spec.registers.host_values import host_values, table_words
 from ncdc_spec.registers.register_map import (
@@ -20,9 +21,11 @@ from ncdc_spec.registers.register_map import (
     STATUS_BANK,
     STATUS_COMMITTED,
     STATUS_REFUSED,
+    VIEW_BIT,
     network_registers,
     registers,
 )
+from ncdc_spec.view import CAMERA_FORMATS
 
 __all__ = ["LensLimits", "LensLoader"]
 
@@ -85,7 +88,8 @@ class LensLoader:
 
     def load(self, descriptor):
         """See :meth:`ncdc_host.client.device.Device.load_lens`."""
-        table = {r.name: r for r in registers(MAX_NEURONS, descriptor.formats)}
+        view = bool(self._read(CAPABILITIES) & VIEW_BIT)
+        table = {r.name: r for r in registers(MAX_NEURONS, descriptor.formats, view=view)}
         if self._read(table["ID"].address) != ID:
             raise DeviceError(f"{self._device.url} has no corrector")
         neurons = self._read(table["NEURONS"].address)
@@ -97,7 +101,7 @@ class LensLoader:
             raise Rejected(f"the lens is for the interpolation {interpolation}, the device has "
                           f"{own}")
         try:
-            values = host_values(descriptor, neurons=neurons)
+            values = host_values(descriptor, Hardware(view=view), neurons=neurons)
         except InputError as error:
             raise Rejected(str(error)) from error
         for name in _FIXED:
@@ -107,6 +111,9 @@ class LensLoader:
         words = {r.address: values[r.name] & 0xFFFFFFFF
                  for r in network_registers(neurons, descriptor.formats)}
         words |= dict(table_words(descriptor.valid))
+        if view:
+            # The device makes its matrix anew from the camera.
+            words |= {table[name].address: values[name] & 0xFFFFFFFF for name in CAMERA_FORMATS}
         # A running frame holds the bank of valid rows that it uses: the other one is written.
         bank = int(not self._read(table["STATUS"].address) & STATUS_BANK)
         self._write({table["STATUS"].address: STATUS_REFUSED,

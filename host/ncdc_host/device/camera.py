@@ -15,7 +15,7 @@ from ncdc_model.correction import Correction, coloured
 from ncdc_model.golden.colour import ColourSums
 from ncdc_spec.colour import Colour
 from ncdc_spec.pixel_formats import PixelFormat, packed
-from ncdc_spec.view_matrix import Angles, PlaneCamera
+from ncdc_spec.view_matrix import Angles, PlaneCamera, has_plane
 
 __all__ = ["Camera", "Frame", "Picture", "picture_of"]
 
@@ -189,10 +189,12 @@ class Camera:
 
     def _looking_as(self, settings, correction):
         """The :class:`Correction` of the view of ``settings``; the last one stays, for speed."""
-        if settings.angles == Angles() or settings.view.pixel_format.raw:
+        lens = correction.descriptor
+        if (settings.angles == Angles() or settings.view.pixel_format.raw
+                or not has_plane(lens)):
             return correction
         if self._looking is None or self._looking[:2] != (correction, settings.angles):
-            lens, self._looking = correction.descriptor, None       # frees the one before
+            self._looking = None        # frees the one before
             self._looking = (correction, settings.angles, Correction(
                 lens, correction.model, PlaneCamera.of(lens).looking(settings.angles)))
         return self._looking[2]

@@ -28,11 +28,10 @@ from ncdc_spec.registers.register_map import (
     network_registers,
     registers,
 )
-from ncdc_spec.view_matrix import has_plane
+from ncdc_spec.view import CAMERA_FORMATS
+from ncdc_spec.view_matrix import frame_of_values
 
 __all__ = ["CorrectorWindow", "descriptor_of_words"]
-
-_HARDWARE = Hardware(colour=True)
 
 
 class CorrectorWindow:
@@ -40,7 +39,8 @@ class CorrectorWindow:
 
     A write changes a shadow; CTRL.COMMIT makes the network and the valid rows of the shadow those
     of the selected lens, and gains and tone those of corrected pictures. Geometry, fill and format
-    of the device stay: a commit with others is rejected.
+    of the device stay: a commit with others is rejected. The matrix of a view has no effect, the
+    device writes its own by Pan, Tilt, Roll and Zoom.
     """
     def __init__(self, state, camera):
         self._state, self._camera = state, camera
@@ -48,8 +48,10 @@ class CorrectorWindow:
         self._words, self._lens, self._base, self._colour = {}, None, None, None
         self._status = 0
         descriptor = camera.corrections[0].descriptor
-        self._map = {r.name: r for r in registers(descriptor.hidden_neurons, descriptor.formats,
-                                                  descriptor.nodes, _HARDWARE.colour)}
+        self._hardware = Hardware(colour=True, view=state.has_view)
+        self._map = {r.name: r for r in registers(
+            descriptor.hidden_neurons, descriptor.formats, descriptor.nodes, colour=True,
+            view=state.has_view)}
         self._by_address = {r.address: r for r in self._map.values()}
 
     def _load(self):
@@ -60,14 +62,14 @@ class CorrectorWindow:
         if lens != self._lens or descriptor is not self._base:
             self._lens, self._base = lens, descriptor
             self._words = {self._map[name].address: value & 0xFFFFFFFF
-                           for name, value in host_values(descriptor).items()}
+                           for name, value in self._values(descriptor).items()}
             self._words |= dict(table_words(descriptor.valid))
             self._words |= {self._map["ID"].address: ID,
                             self._map["DIGEST"].address: int(descriptor.digest[:8], 16),
                             self._map["NEURONS"].address: descriptor.hidden_neurons}
             width, height = descriptor.geometry.corrected
             self._words |= {self._map[name].address: value for name, value in capabilities(
-                _HARDWARE.made_for(descriptor), width, height, capture=True).items()}
+                self._hardware.made_for(descriptor), width, height, capture=True).items()}
             if descriptor.nodes > 1:
                 self._words[self._map["NODES"].address] = descriptor.nodes
             self._colour = None
@@ -77,6 +79,9 @@ class CorrectorWindow:
             self._words |= {self._map[name].address: value
                             for name, value in colour_values(self._colour).items()}
             self._words[self._map["CREST"].address] = self._colour.crest
+
+    def _values(self, descriptor):
+        return host_values(descriptor, Hardware(view=self._state.has_view))
 
     def read(self, address):
         """The word at a word address; 0 where there is none."""
@@ -118,6 +123,7 @@ class CorrectorWindow:
         try:
             colour = self._committed_colour()
             correction = Correction(self._checked())
+            self._state.replace_lens(self._lens, correction.descriptor)
         except InputError:
             correction = None
         with self._lock:
@@ -147,15 +153,24 @@ class CorrectorWindow:
         """The descriptor of the shadow."""
         network = {r.name for r in network_registers(self._base.hidden_neurons,
                                                      self._base.formats)}
-        for name, value in host_values(self._base).items():
+        for name, value in self._values(self._base).items():
             if name not in network and name not in OUTSIDE_DIGEST:
                 if self._words[self._map[name].address] != value & 0xFFFFFFFF:
                     raise InputError(f"{name} cannot be changed")
-        return descriptor_of_words(self._base, self._words)
+        values = {name: _signed(self._words[self._map[name].address]) for name in CAMERA_FORMATS
+                  } if self._state.has_view else {}
+        return descriptor_of_words(self._base, self._words, values)
 
 
-def descriptor_of_words(base, words):
+def _signed(word):
+    return word - ((word & 1 << 31) << 1)
+
+
+def descriptor_of_words(base, words, camera):
     """``base`` with the network and valid rows of register ``words`` by word address.
+
+    ``camera``: values of the registers of the picture's camera by name, empty where there are
+    none.
 
     Raises
     ------
@@ -166,8 +181,7 @@ def descriptor_of_words(base, words):
               "output": [base.output_weights.copy(), base.output_biases.copy()]}
     skip = None if base.skip_weights is None else base.skip_weights.copy()
     for register in network_registers(base.hidden_neurons, base.formats):
-        value = words[register.address]
-        value -= (value & 1 << 31) << 1
+        value = _signed(words[register.address])
         layer, neuron, part, *weight = register.parameter
         if part == "skip":
             skip[(neuron, *weight)] = value
@@ -181,10 +195,9 @@ def descriptor_of_words(base, words):
         q.hidden_weight.real(arrays["hidden"][0]), q.hidden_bias.real(arrays["hidden"][1]),
         q.output_weight.real(arrays["output"][0]), q.output_bias.real(arrays["output"][1]),
         gamma=1.0, skip_weights=None if skip is None else q.skip_weight.real(skip))
-    # The registers do not hold the focal length: a lens of the same camera has the same picture.
-    plane = {"frame": base.provenance["frame"]} if has_plane(base) else {}
+    frame = frame_of_values(camera) if camera else None
     (hidden_weights, hidden_biases), (output_weights, output_biases) = (
         arrays["hidden"], arrays["output"])
     return Descriptor(base.geometry, real, hidden_weights, hidden_biases, output_weights,
                       output_biases, ValidRows(spans), q, base.variant, skip, nodes=base.nodes,
-                      provenance=plane)
+                      provenance={"frame": frame} if frame else {})

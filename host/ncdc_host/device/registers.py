@@ -23,7 +23,7 @@ from ncdc_spec.sensors.controls import number_in
 from ncdc_spec.sensors.field import FULL
 from ncdc_spec.sensors.framing import field_values, setup_around
 from ncdc_spec.sensors.sensor import Settings as Window
-from ncdc_spec.view_matrix import Angles
+from ncdc_spec.view_matrix import Angles, PlaneCamera, has_plane
 
 __all__ = ["Rejected", "Registers", "Settings", "View"]
 
@@ -152,7 +152,7 @@ class Registers:
         self.bus_accesses = 0
         self._streaming = False
         self._colour = Colour()
-        self._planes = planes
+        self._planes = list(planes)     # None of a lens that does not state it
         self._angles = {one.name: round(getattr(Angles(), one.name.lower()) * one.scale[1])
                         for one in VIEW_FEATURES if one.access == "rw"}
         self.auto = dict.fromkeys(AUTO_FEATURES, OFF)
@@ -252,11 +252,34 @@ class Registers:
             gains[selected] = gain
             self.set_colour(replace(self._colour, raw_gains=tuple(gains)))
 
+    @property
+    def has_view(self):
+        """Whether the device has a view."""
+        return bool(self._planes)
+
+    def replace_lens(self, number, descriptor):
+        """Take the camera of a lens's picture from another ``descriptor``.
+
+        A lens that does not state it is shown as trained.
+
+        Raises
+        ------
+        InputError
+            If it cannot look as far off its axis as the device does.
+        """
+        with self.lock:
+            if self.has_view:
+                plane = PlaneCamera.of(descriptor) if has_plane(descriptor) else None
+                if plane:
+                    plane.looking(_angles_of(self._angles))
+                self._planes[number] = plane
+
     def read_angle(self, one):
         """The number in the register of one of the view's features."""
         with self.lock:
             if one.name == "ViewFocal":
-                return round(self._planes[self._lens].focal * one.scale[1])
+                plane = self._planes[self._lens]
+                return round(plane.focal * one.scale[1]) if plane else 0
             return self._angles[one.name]
 
     def write_angle(self, one, number):
@@ -265,7 +288,7 @@ class Registers:
         with self.lock:
             wanted = self._angles | {one.name: number}
             try:
-                for plane in self._planes:
+                for plane in filter(None, self._planes):
                     plane.looking(_angles_of(wanted))
             except InputError:
                 raise Rejected("value") from None

@@ -34,9 +34,10 @@ class ViewSteering(QObject):
 
     @property
     def possible(self):
-        """Whether the device has a view, and sends it."""
+        """Whether the device has a view, and sends it, and its lens states its camera."""
         infos = self._tab.infos or {}
-        return "ViewFocal" in infos and infos["CorrectionEnable"].value
+        return ("ViewFocal" in infos and infos["ViewFocal"].value > 0
+                and infos["CorrectionEnable"].value)
 
     def enable(self, control):
         """Show the buttons of a device with a view; ``control``: it can be moved."""

@@ -328,7 +328,8 @@ VIEW_FEATURES = (
     _looking("Tilt", 42, "The same, upwards.", 100),
     _looking("Roll", 43, "Turn of the view about its own axis, clockwise.", 100),
     _looking("Zoom", 44, "Magnification, 1 as trained.", 1000, unit=""),
-    Feature("ViewFocal", "float", _own(45), "Focal length of corrected pictures at Zoom 1.",
+    Feature("ViewFocal", "float", _own(45), "Focal length of corrected pictures at Zoom 1; 0: "
+            "the lens does not state it, and is shown as trained.",
             "NcdcControl", access="ro", unit="pixel", scale=(1, 100)),
 )
 """Further features of a device whose corrector has a view, and whose lenses state their focal

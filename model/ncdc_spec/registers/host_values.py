@@ -15,6 +15,7 @@ from ncdc_spec.interpolation import check_crest
 from ncdc_spec.registers.register_map import BAYER_MONO, RAW_GAINS, TABLE, network_registers
 from ncdc_spec.view import View, view_values
 from ncdc_spec.view_list import ONE_VIEW
+from ncdc_spec.view_matrix import camera_values
 from ncdc_spec.view_rows import rows_values
 
 __all__ = ["address_values", "colour_values", "host_values", "network_values", "table_words"]
@@ -89,8 +90,9 @@ def host_values(descriptor, hardware=Hardware(), addresses=None, follow=False, c
     Raises
     ------
     InputError
-        If the format would lose the camera's colours, the interpolation has no crest, or the
-        network has more neurons than the hardware.
+        If the format would lose the camera's colours, the interpolation has no crest, the
+        network has more neurons than the hardware, or there is a view and the descriptor states a
+        camera of its picture that cannot be.
     """
     g, form = descriptor.geometry, output_format(hardware.format)
     check_format(form, g)
@@ -116,7 +118,8 @@ def host_values(descriptor, hardware=Hardware(), addresses=None, follow=False, c
         "CREST": colour.crest,
         **(colour_values(colour) if hardware.colour else {}),
         **(dict(zip(RAW_GAINS, colour.raw_gains)) if hardware.raw_balance else {}),
-        **(view_values(view, g.corrected_height) if hardware.view else {}),
+        **(view_values(view, g.corrected_height) | camera_values(descriptor)
+           if hardware.view else {}),
         **(ONE_VIEW if hardware.views else {}),
         **(rows_values(view.rows) if hardware.view_rows else {}),
     }

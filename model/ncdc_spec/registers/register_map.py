@@ -6,7 +6,7 @@ from ncdc_spec.frames import ADDRESS_BITS, MONO8, OUTPUT_FORMATS
 from ncdc_spec.geometry import MAX_SIZE, MIN_SIZE, SCAN, STRIP_UNIT
 from ncdc_spec.interpolation import CRESTS, DIRECTIONAL, FAST, GRADIENT
 from ncdc_spec.tone import NODE_BITS, NODE_POSITIONS
-from ncdc_spec.view import FORMATS, NAMES, PLANE_HEIGHT, VIEW_REGISTERS
+from ncdc_spec.view import CAMERA_FORMATS, FORMATS, NAMES, PLANE_HEIGHT, VIEW_REGISTERS
 from ncdc_spec.view_list import (
     ENTRY_WORDS,
     MAX_VIEWS,
@@ -55,7 +55,8 @@ RAW_GAINS = ("RAW_GAIN_RED", "RAW_GAIN_GREEN", "RAW_GAIN_BLUE")
 # Registers of the set that do not depend on the lens: DIGEST does not include them.
 OUTSIDE_DIGEST = ("VALID_BANK", "SOURCE_BASE", "SOURCE_LIMIT", "SOURCE_PITCH", "TARGET_BASE",
                   "TARGET_LIMIT", "OUTPUT_FORMAT", "CREST", "FOLLOW", "CACHE_SPLIT", "STRIP_WIDTH",
-                  *COLOUR_SETTINGS, *RAW_GAINS, *VIEW_REGISTERS, "VIEWS", *ROWS_REGISTERS)
+                  *COLOUR_SETTINGS, *RAW_GAINS, *VIEW_REGISTERS, *CAMERA_FORMATS, "VIEWS",
+                  *ROWS_REGISTERS)
 
 CTRL_START, CTRL_COMMIT, CTRL_ABORT = 1, 2, 4
 STATUS_BUSY, STATUS_DONE, STATUS_PENDING = 1, 2, 4
@@ -338,7 +339,13 @@ _VIEWS = (
                f"its growth from {'column to column' if column == 0 else 'row to row'}."))
       for row, quantity in enumerate(_HOMOGENEOUS) for column, q in enumerate(FORMATS[row])),
     Register(PLANE_HEIGHT, _VIEW + 9, "shadow", _SIZE,
-             "View: rows of the trained picture, those of the table of valid rows."))
+             "View: rows of the trained picture, those of the table of valid rows."),
+    *(Register(name, _VIEW + 10 + k, "shadow", Bits(q.width, signed=True),
+               f"View, for hosts only: {text}, {q}.")
+      for k, ((name, q), text) in enumerate(zip(CAMERA_FORMATS.items(), (
+          "focal length of the trained picture along a row, in pixels; 0: not known",
+          "column of its camera's axis", "row of its camera's axis",
+          "its focal length along a column over that along a row")))))
 VIEW_LIST = 0x400         # word address of entry 0 of the list of views; each has 16 words
 _COUNT_BITS = MAX_VIEWS.bit_length()
 _LIST_CONTROL = (
@@ -354,15 +361,15 @@ _POSITION = (
     Register(PITCH, 0, "shadow", Bits(PITCH_BITS), "bytes from row to row, a multiple of the "
              "memory word and no less than a row; 0: rows follow without a gap"))
 _VIEW_ROWS = (
-    Register(ROWS_COUNT, _VIEW + 10, "shadow", Bits(MAX_MATRICES.bit_length()),
+    Register(ROWS_COUNT, 0x82, "shadow", Bits(MAX_MATRICES.bit_length()),
              "Rolling shutter: matrices of the table that are in use, at most `LIMIT`. "
              "0: none, the view's matrix is that of all rows."),
-    Register(ROWS_STEP, _VIEW + 11, "shadow", Bits((len(STEPS) - 1).bit_length()),
+    Register(ROWS_STEP, 0x83, "shadow", Bits((len(STEPS) - 1).bit_length()),
              "Rolling shutter: raw rows from matrix to matrix; "
              + ", ".join(f"{k}: {step}" for k, step in enumerate(STEPS)) + "."),
-    Register(ROWS_BANK, _VIEW + 12, "shadow", Bits(1),
+    Register(ROWS_BANK, 0x84, "shadow", Bits(1),
              "Rolling shutter: bank of the table that frames use."),
-    _action(ROWS_STATUS, _VIEW + 13, "",
+    _action(ROWS_STATUS, 0x85, "",
             Flag("LIMIT", 0x7F, "ro", "matrices that this instance has space for"),
             Flag("BANK", 0x80, "ro", "bank of the table in use"), access="ro"))
 _HIDDEN, _OUTPUT, _OUTPUT_BIAS, SKIP = 0x100, 0x200, 0x280, 0x284
