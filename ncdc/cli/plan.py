@@ -16,11 +16,14 @@ from ncdc.cli.hardware import (
 )
 from ncdc.cli.plan_board import plan_board
 from ncdc.cli.renamed import add_renamed
+from ncdc.cli.view_range import add_view_range, angles_text, report_lines, view_range_of
 from ncdc.terminal import Progress
 from ncdc_hdl.corrector import Corrector
 from ncdc_model.planner.memory_timing import memory_at
 from ncdc_model.planner.plan import CLOCK_MHZ, plan
+from ncdc_model.planner.views import ViewPlanner
 from ncdc_model.planner.with_camera import clocks_with_camera
+from ncdc_model.view_nodes import errors_report, worst_node_errors
 from ncdc_spec.descriptor import Descriptor
 from ncdc_spec.errors import InputError
 from ncdc_spec.hardware import DATA_WIDTHS, OUTPUTS, Hardware
@@ -67,6 +70,8 @@ def add_arguments(parser) -> None:
     add_renamed(parser, "--camera", "--sensor", dest="camera")
     add_field(parser)
     add_follow(parser)
+    add_view_range(parser.add_argument_group("range of views", (
+        "for hardware with --view: the plan is that of the slowest view")))
     add_json(parser)
 
 
@@ -86,29 +91,37 @@ def run(args) -> None:
     if not 1 <= args.clock <= 1000:
         raise InputError(f"the clock is {args.clock:g} MHz, the limits are 1 and 1000")
     descriptor = Descriptor.load(args.descriptor)
+    views = view_range_of(args, descriptor)
+    if views and args.follow:
+        raise InputError("--follow is given with a range of views, early start is planned for the "
+                         "trained picture only")
     framing = setup_around(args.camera, descriptor.geometry, field=field_of(args),
                            exposure_us=_EXPOSURE_US) if args.camera else None
     fixed = fixed_of(args, follow_strip(args, descriptor.geometry))
     width = args.data_width or (128 if args.memory == "ddr3" else 32)
     hardware = Hardware(data_width=width, output=args.to, lanes=args.pixels_per_clock,
-                        format=args.format)
-    planned = plan(descriptor, hardware, args.memory,
-                   lambda chosen: Corrector(descriptor, chosen).timing, fixed=fixed,
-                   clock_mhz=args.clock, rate=args.rate, progress=Progress("planning"))
+                        format=args.format, view=views is not None)
+    planned = _planned(args, descriptor, hardware, fixed, views)
     bound = bound_of(args, descriptor, planned.hardware, memory_at(args.memory, args.clock))
     made = planned.hardware.made_for(descriptor)
     report = planned.report() | {"nodes": descriptor.nodes, "share": made.share,
                                  "tansigs": made.units(descriptor.hidden_neurons)}
-    report |= _with_camera(args, descriptor, planned, framing)
+    report |= _with_camera(args, descriptor, planned, framing, views)
+    if views:
+        report |= errors_report(views, worst_node_errors(descriptor, views, descriptor.nodes,
+                                                         Progress("nodes")))
     if write_report({"digest": descriptor.digest, "output": args.to, **report,
                      **(bound.report() if bound else {})}, args.json):
         return
-    print(choice_line(planned.hardware, report["bytes_read_per_pixel"], planned.amplification))
+    print(choice_line(planned.hardware, report["bytes_read_per_pixel"], report["amplification"]))
     print(front_end_line(made, descriptor))
-    print(f"{planned.clocks_per_pixel:.4f} clocks per pixel, {planned.frames_per_second:.1f} "
-          f"frames per second predicted ({args.memory}, {width} bits, {args.clock:g} MHz)")
-    print(f"{planned.worst:.2f} bytes per pixel in the worst 8192 pixels; "
-          f"{planned.live} bytes of tiles in use at once")
+    print(f"{report['predicted_clocks_per_pixel']:.4f} clocks per pixel, "
+          f"{report['frames_per_second']:.1f} frames per second predicted ({args.memory}, "
+          f"{width} bits, {args.clock:g} MHz)")
+    print(f"{report['worst_bytes_per_pixel']:.2f} bytes per pixel in the worst 8192 pixels; "
+          f"{report['live_bytes']} bytes of tiles in use at once")
+    for line in _view_lines(report):
+        print(line)
     if bound:
         print(f"with the camera's frame: out at most {bound.clocks} clocks after its last byte, "
               f"{100 * bound.share:.1f} % of its {bound.camera_clocks}")
@@ -118,7 +131,29 @@ def run(args) -> None:
               f"second")
 
 
-def _with_camera(args, descriptor, planned, framing):
+def _planned(args, descriptor, hardware, fixed, views):
+    """The :class:`Plan` of the trained picture, or the :class:`ViewPlan` of ``views``."""
+    def timing(chosen):
+        return Corrector(descriptor, chosen).timing
+    options = {"fixed": fixed, "rate": args.rate, "progress": Progress("planning")}
+    if views:
+        return ViewPlanner(descriptor, args.memory, timing, views, args.clock).plan(
+            hardware, **options)
+    return plan(descriptor, hardware, args.memory, timing, clock_mhz=args.clock, **options)
+
+
+def _view_lines(report):
+    """Lines on the worst views of a range; none without it."""
+    if "views" in report:
+        yield (f"these are of the slowest of {report['views_scanned']} views tried, "
+               f"{angles_text(report['slowest_view'])}; none takes more than "
+               f"{report['bound_clocks_per_pixel']:.4f} clocks per pixel")
+        yield (f"at most {report['most_bytes_read_per_pixel']:.3f} bytes are read per pixel, at "
+               f"{angles_text(report['most_bytes_view'])}")
+        yield from report_lines(report)
+
+
+def _with_camera(args, descriptor, planned, framing, views):
     """Entries of the report with a running camera; ``framing``: its configuration and crop, or
     None."""
     if framing is None:
@@ -128,7 +163,9 @@ def _with_camera(args, descriptor, planned, framing):
     clocks = clocks_with_camera(
         descriptor, planned.hardware, memory_at(args.memory, args.clock),
         Corrector(descriptor, planned.hardware).timing, timing,
-        Fraction(args.clock * 1e6) / timing.pixel_clock_hz)
-    return {"beside_camera_clocks_per_pixel": clocks / planned.pixels,
+        Fraction(args.clock * 1e6) / timing.pixel_clock_hz,
+        views.view(planned.slowest_at) if views else None)
+    pixels = planned.slowest.pixels if views else planned.pixels
+    return {"beside_camera_clocks_per_pixel": clocks / pixels,
             "camera_frames_per_second": setup.timing.frames_per_second,
             **field_report(setup, crop, descriptor.geometry)}

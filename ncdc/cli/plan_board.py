@@ -4,6 +4,7 @@ from ncdc.cli.board_design import planner, print_rates, settings_of
 from ncdc.cli.common import write_report
 from ncdc.cli.field import field_lines, field_report
 from ncdc.cli.hardware import fixed_of
+from ncdc.cli.view_range import views_given
 from ncdc_boards.board import Request
 from ncdc_boards.catalogue import board_for
 from ncdc_spec.errors import InputError
@@ -22,6 +23,9 @@ def plan_board(args, descriptor):
         if getattr(args, name) != default:
             raise InputError(f"{_OPTIONS.get(name, '--' + name)} and --board {args.board} are "
                              f"given, the board has its own")
+    if views_given(args):
+        raise InputError(f"a range of views and --board {args.board} are given, boards have no "
+                         f"view")
     board, lines = board_for("plan", args.board), []
     design = board.design(
         [(args.descriptor, descriptor)],

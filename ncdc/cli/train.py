@@ -9,6 +9,7 @@ import numpy as np
 
 from ncdc.cli.common import add_camera, add_json, add_page, straightness_text, write_report
 from ncdc.cli.renamed import add_renamed
+from ncdc.cli.view_range import add_view_range, report_lines, view_range_of
 from ncdc.terminal import Progress, say
 from ncdc_model.evaluate import fixed_map
 from ncdc_model.lens import parse_zoom
@@ -94,6 +95,8 @@ def add_arguments(parser) -> None:
     picture.add_argument("--fill", default="0,0,0", metavar="R,G,B",
                          help="colour of pixels without a source (default: 0,0,0)")
     _add_hardware(parser.add_argument_group("hardware"))
+    add_view_range(parser.add_argument_group(
+        "range of views", "--nodes auto keeps to 0.001 px in these too"), "view-")
     parser.add_argument("-o", "--output", default="net.toml", metavar="FILE",
                         help="descriptor (default: net.toml); plots are written next to it")
     add_json(parser)
@@ -144,6 +147,7 @@ def run(args) -> None:
     source = load_source(args.source, size, args.zoom, args.camera, sensor, args.page,
                          bayer=args.bayer, fill=fill,
                          interpolation=interpolation_of(args.interpolation))
+    choices = replace(choices, views=view_range_of(args, source))
     _tell_map(source)
     trained = _train(args, source, choices)
     trained.descriptor.save(args.output)
@@ -180,6 +184,8 @@ def _print_report(args, source, report):
               f"{report['beyond_points_percent']:.1f} % of it lies beyond the outermost ones")
     print(nodes_text(report["nodes"]) + (f", which adds at most {report['nodes_curvature_px']:.5f} "
                                          f"px" if report["nodes"] > 1 else ""))
+    for line in report_lines(report):
+        print(line)
     print(f"fixed minus float: at most {report['fixed_minus_float_max_px']:.5f} px on an axis")
     if source.frame:
         print(straightness_text(report, "held-out points" if args.held_out else "points"))

@@ -11,17 +11,18 @@ from ncdc_spec.geometry import MAX_SIZE, MIN_SIZE
 from ncdc_spec.view_matrix import LIMITS, Angles, PlaneCamera, view_matrix
 from ncdc_spec.view_rows import MAX_MATRICES
 
-__all__ = ["add_stabilisation", "add_view", "view_of", "view_options"]
+__all__ = ["VIEW_TEXTS", "add_stabilisation", "add_view", "view_of", "view_options", "view_size"]
 
 _STABILISATION: dict[str, Any] = {"gyro_axes": "x,y,z", "gyro_offset": 0.0, "readout_ms": 0.0,
                                   "smooth": 0.5}
-_TEXTS = {"pan": "degrees to the right", "tilt": "degrees up", "roll": "degrees clockwise",
-          "zoom": "magnification"}
+VIEW_TEXTS = {"pan": "degrees to the right", "tilt": "degrees up", "roll": "degrees clockwise",
+              "zoom": "magnification"}
+"""What each number of a view is, for people."""
 
 
 def add_view(parser):
     """Declare the options --pan, --tilt, --roll, --zoom and --view-size."""
-    for name, text in _TEXTS.items():
+    for name, text in VIEW_TEXTS.items():
         low, high = LIMITS[name]
         parser.add_argument(f"--{name}", type=float, metavar="Z" if name == "zoom" else "DEG",
                             help=f"{text}, {low:g} to {high:g} (default: "
@@ -84,7 +85,7 @@ class ChosenView:
     """
     def __init__(self, args, descriptor, angles):
         self._trained = trained = PlaneCamera.of(descriptor)
-        camera = trained.view(_size(args.view_size), angles.zoom)
+        camera = trained.view(view_size(args.view_size), angles.zoom)
         self._descriptor, self.size, self.angles = descriptor, camera.size, angles
         self._matrix = view_matrix(trained, camera, angles.rotation)
         self.stabiliser = self._still = None
@@ -131,7 +132,7 @@ class ChosenView:
                          "stabilised": self.stabiliser is not None}}
 
 
-def _size(text):
+def view_size(text):
     """(width, height) of an option; None without it."""
     if text is None:
         return None

@@ -114,5 +114,6 @@ def curvature(back_map, geometry, valid, choices=NODES):
 
 
 def largest_nodes(found):
-    """The largest S of :func:`curvature` ``found`` within the limit; 1 if no other is."""
-    return max(nodes for nodes, miss in found.items() if miss <= CURVATURE_LIMIT)
+    """The largest S of :func:`curvature` ``found`` within the limit; the smallest if none is."""
+    return max((nodes for nodes, miss in found.items() if miss <= CURVATURE_LIMIT),
+               default=min(found))

@@ -1,7 +1,6 @@
 """The planner: cache, scan and speed of a trained map, before any Verilog exists."""
 
 from dataclasses import dataclass, replace
-from itertools import islice
 
 from ncdc_model.planner.lookups import frame_windows, lookups
 from ncdc_model.planner.memory_timing import memory_at
@@ -16,8 +15,8 @@ from ncdc_spec.geometry import check_strip_width
 from ncdc_spec.hardware import Hardware
 from ncdc_spec.interpolation import FAST
 
-__all__ = ["CACHE_BYTES", "CLOCK_MHZ", "Choice", "Fixed", "Plan", "STRIPS", "best_split",
-           "choose", "plan"]
+__all__ = ["CACHE_BYTES", "CLOCK_MHZ", "Choice", "Fixed", "GAIN", "Plan", "STRIPS", "best_split",
+           "choose", "clocks_limit", "frame_figures", "plan", "worth_timing"]
 
 CACHE_BYTES = 8192, 16384, 32768, 65536     # sizes to try
 STRIPS = 64, 128, 256                       # widths to try in addition to raster
@@ -27,8 +26,10 @@ CLOCK_MHZ = 100.0
 _RASTER_GOAL, _STRIP_GOAL = 1.02, 1.15
 _CLOCKS_GOAL = 1.02                         # clocks per pixel
 _COUNT = {1: "one pixel", 2: "two pixels", 4: "four pixels"}
-_GAIN = .99                                 # of the clocks: a later choice must be that much faster
 _TIMINGS = 4                                # choices whose clocks are predicted, at most
+
+GAIN = .99
+"""Of the clocks: a later choice must be that much faster."""
 
 
 @dataclass(frozen=True)
@@ -102,10 +103,9 @@ class Choice:
         """Bytes read for a frame."""
         return self.misses * self.hardware.cache.tile_bytes
 
-    @property
-    def amplification_goal(self):
-        """Largest acceptable ratio of bytes read to distinct bytes."""
-        return _STRIP_GOAL if self.hardware.strip else _RASTER_GOAL
+    def good(self, distinct):
+        """Whether it reads little more than the ``distinct`` bytes."""
+        return self.bytes_read <= (_STRIP_GOAL if self.hardware.strip else _RASTER_GOAL) * distinct
 
 
 @dataclass(frozen=True)
@@ -154,6 +154,17 @@ class Plan:
     def frames_per_second(self):
         """Frames per second at the plan's clock."""
         return self.clock_mhz * 1e6 / self.clocks
+
+    def check_rate(self, rate):
+        """Raise :class:`InputError` unless it corrects ``rate`` frames per second; None: any."""
+        if rate is None or self.frames_per_second >= rate:
+            return
+        strip = self.hardware.strip
+        scan = f"strips of {strip} columns" if strip else "raster scan"
+        raise InputError(
+            f"{self.frames_per_second:.1f} frames per second are predicted for a cache of "
+            f"{self.hardware.cache.bytes} bytes in {scan} on {self.memory} at "
+            f"{self.clock_mhz:g} MHz, {rate:g} are asked for")
 
     def report(self):
         """The figures under their names in every report."""
@@ -206,9 +217,8 @@ def choose(windows, distinct, geometry, hardware, fixed=Fixed(), progress=lambda
             progress((k * len(caches) + j + 1) / (len(strips) * len(caches)))
 
     def order(choice):
-        read, tiles = choice.bytes_read, choice.hardware.cache.tiles
-        good = read <= choice.amplification_goal * distinct
-        return (0, tiles, choice.misses) if good else (1, choice.misses, tiles)
+        tiles = choice.hardware.cache.tiles
+        return (0, tiles, choice.misses) if choice.good(distinct) else (1, choice.misses, tiles)
     return sorted(found, key=order)
 
 
@@ -250,32 +260,27 @@ def plan(descriptor, hardware, memory, timing, *, fixed=Fixed(), clock_mhz=CLOCK
         raise InputError(f"the rate is {rate:g} frames per second, it must be positive")
     geometry = descriptor.geometry
     check_format(output_format(hardware.format), geometry)
-    limit = _limit(geometry, hardware.lanes, clock_mhz, rate)
+    limit = clocks_limit(geometry, hardware.lanes, clock_mhz, rate)
     windows = frame_windows(descriptor, lambda done, total: progress(.5 * done / total))
     distinct = distinct_bytes(windows, geometry)
     choices = choose(windows, distinct, geometry, hardware, fixed,
                      lambda fraction: progress(.5 + .2 * fraction))
     made = None
-    for k, choice in enumerate(islice(_worth_timing(choices), _TIMINGS)):
-        found = _timed(windows, geometry, choice.hardware, model, timing(choice.hardware),
-                       lambda done, total: progress(.7 + .3 * (k + done / total) / _TIMINGS))
+    for k, choice in enumerate(worth_timing(choices)):
+        found = frame_figures(
+            windows, geometry, choice.hardware, model, timing(choice.hardware),
+            lambda done, total: progress(.7 + .3 * (k + done / total) / _TIMINGS))
         fast = found["clocks"] <= limit
-        if made is None or fast or found["clocks"] < _GAIN * made.clocks:
+        if made is None or fast or found["clocks"] < GAIN * made.clocks:
             made = Plan(choice.hardware, memory, clock_mhz, distinct=distinct, **found)
         if fast:
             break
     progress(1)
-    if rate is not None and made.frames_per_second < rate:
-        strip = made.hardware.strip
-        scan = f"strips of {strip} columns" if strip else "raster scan"
-        raise InputError(
-            f"{made.frames_per_second:.1f} frames per second are predicted for a cache of "
-            f"{made.hardware.cache.bytes} bytes in {scan} on {memory} at {clock_mhz:g} MHz, "
-            f"{rate:g} are asked for")
+    made.check_rate(rate)
     return made
 
 
-def _limit(geometry, lanes, clock_mhz, rate):
+def clocks_limit(geometry, lanes, clock_mhz, rate):
     """Largest acceptable number of clocks of a frame.
 
     Raises
@@ -292,8 +297,22 @@ def _limit(geometry, lanes, clock_mhz, rate):
     return limit
 
 
-def _timed(windows, geometry, hardware, memory, timing, progress):
-    """Figures of a frame, under their names in :class:`Plan`."""
+def frame_figures(windows, geometry, hardware, memory, timing,
+                  progress=lambda done, total: None):
+    """Figures of a frame, under their names in :class:`Plan`.
+
+    Parameters
+    ----------
+    windows : Windows
+    geometry : Geometry
+        With the size of the corrected picture that the windows are of.
+    hardware : Hardware
+        With a tile cache, a split and a scan.
+    memory : LatencyMemory or DramMemory
+    timing : CorrectorTiming
+    progress : callable
+        Called with (misses done, misses).
+    """
     addresses = FrameAddresses.after_reset(geometry, hardware.data_width)
     boxes = lookups(windows, hardware.strip, hardware.lanes)
     accessed = accesses(boxes)
@@ -307,14 +326,13 @@ def _timed(windows, geometry, hardware, memory, timing, progress):
             "live": live_tiles(accessed) * hardware.cache.tile_bytes}
 
 
-def _worth_timing(choices):
-    """The best choice of each size and scan, in order: those that read more are slower."""
-    seen = set()
+def worth_timing(choices):
+    """The best choice of each size and scan, in order, a few at most: those that read more are
+    slower."""
+    best = {}
     for choice in choices:
-        key = choice.hardware.cache.tiles, choice.hardware.strip
-        if key not in seen:
-            seen.add(key)
-            yield choice
+        best.setdefault((choice.hardware.cache.tiles, choice.hardware.strip), choice)
+    return list(best.values())[:_TIMINGS]
 
 
 def best_split(descriptor, hardware):

@@ -19,7 +19,7 @@ _READERS = 2            # of the system: they determine the addresses of its buf
 _QUEUE = 20             # clocks from a sample at the pins to its burst, approximate
 
 
-def clocks_with_camera(descriptor, hardware, memory, timing, sensor, ratio):
+def clocks_with_camera(descriptor, hardware, memory, timing, sensor, ratio, view=None):
     """Clocks of a frame in a running system while the camera sends the next frames.
 
     The frame begins when its raw frame is complete; the next ones go to another buffer. Buffers are
@@ -35,14 +35,17 @@ def clocks_with_camera(descriptor, hardware, memory, timing, sensor, ratio):
     sensor : ncdc_spec.sensors.sensor.Timing
     ratio : Fraction
         Clocks of the corrector per pixel clock of the sensor.
+    view : View, optional
+        What the corrected frame shows; the trained picture by default.
     """
     geometry, word = descriptor.geometry, hardware.data_width // 8
+    picture = view.geometry(geometry) if view else geometry
     values = system_values(descriptor, hardware, stores_for(hardware, _READERS))
     addresses = _addresses(values)
     block = getattr(memory, "access_bytes", 1)
-    boxes = lookups(frame_windows(descriptor), hardware.strip, hardware.lanes)
+    boxes = lookups(frame_windows(descriptor, view=view), hardware.strip, hardware.lanes)
     missed = misses(accesses(boxes), hardware.cache, hardware.split)
-    writes = None if hardware.stream else frame_writes(geometry, hardware, block, addresses.target,
+    writes = None if hardware.stream else frame_writes(picture, hardware, block, addresses.target,
                                                        timing)
     camera = CameraWrites.of(sensor, ratio, geometry, values["RAW1_BASE"], addresses.pitch,
                              burst=timing.write_burst, latency=_QUEUE - timing.start)

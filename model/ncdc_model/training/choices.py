@@ -3,6 +3,7 @@
 from dataclasses import dataclass, field
 
 from ncdc_model.training.rounding import check_weight_bits
+from ncdc_model.view_range import ViewRange
 from ncdc_spec.errors import InputError
 from ncdc_spec.float_network import check_gamma
 from ncdc_spec.formats import Formats
@@ -41,6 +42,9 @@ class TrainingChoices:
     nodes : int or "auto"
         Distance of the nodes, see ``Descriptor.nodes``; auto: the largest whose curvature error
         on this map is within ``ncdc_model.golden.nodes.CURVATURE_LIMIT``.
+    views : ViewRange, optional
+        The error is to be within the limit in these views of the map too. If no distance is, auto
+        is the smallest one above 1, as the network at every pixel has no view.
 
     Raises
     ------
@@ -57,6 +61,7 @@ class TrainingChoices:
     variant: str = "mmhbc"
     gamma: float = 1.0
     nodes: int | str = "auto"
+    views: ViewRange | None = None
 
     def __post_init__(self):
         check_gamma(self.gamma)

@@ -17,10 +17,12 @@ from ncdc_model.training.choices import TrainingChoices
 from ncdc_model.training.problem import split
 from ncdc_model.training.rounding import fitted_formats, round_network
 from ncdc_model.training.train import Training, train
+from ncdc_model.view_nodes import errors_report, worst_node_errors
 from ncdc_spec.descriptor import Descriptor
 from ncdc_spec.errors import InputError
 from ncdc_spec.geometry import ValidRows
 from ncdc_spec.nodes import NODES, check_nodes
+from ncdc_spec.view import check_view_nodes
 
 __all__ = ["TrainedCamera", "describe", "train_camera"]
 
@@ -45,7 +47,9 @@ class TrainedCamera:
         ``region``, estimated over the whole valid region (:mod:`ncdc_model.training.region`).
         ``beyond_points`` is its part beyond the outermost points, ``beyond_points_percent`` the
         size of that part;
-        ``nodes``, their distance, and ``nodes_curvature_px``, their error from the network;
+        ``nodes``, their distance, and ``nodes_curvature_px``, their error from the network; with a
+        range of views ``views`` and ``views_nodes_px``, see
+        :func:`ncdc_model.view_nodes.errors_report`;
         ``fixed_minus_float_max_px``;
         ``valid_pixels``, ``valid_percent`` and ``valid_pixels_lost``, those that do not fit in
         two spans a row; for points ``extrapolated_percent``, valid pixels beyond the points,
@@ -110,7 +114,7 @@ def describe(source, training, choices):
         formats = fitted_formats(network, formats, choices.weight_bits)
     draft = round_network(network, source.geometry, ValidRows.of_mask(mask), formats,
                           variant=choices.variant)
-    draft, missed = _at_nodes(draft, choices.nodes)
+    draft, missed = _at_nodes(draft, choices)
     if draft.nodes > 1:
         mask, covered = _regions(source, network, draft.nodes)
         draft = replace(draft, valid=ValidRows.of_mask(mask))
@@ -122,7 +126,7 @@ def describe(source, training, choices):
     report = {"hidden_neurons": network.hidden_neurons, "skip": network.skip_weights is not None,
               "trainer": choices.trainer, "seed": choices.seed, "measured_on": best,
               **{kind: tables[best][kind] for kind in _KINDS},
-              "nodes": draft.nodes, "nodes_curvature_px": missed,
+              "nodes": draft.nodes, **missed,
               "fixed_minus_float_max_px": frame["fixed_minus_float_max_px"],
               "valid_pixels": frame["valid_pixels"],
               "valid_percent": round(100 * frame["valid_pixels"] / mask.size, 3),
@@ -140,19 +144,28 @@ def describe(source, training, choices):
     return TrainedCamera(descriptor, training, report | source.facts, maps)
 
 
-def _at_nodes(draft, wanted):
-    """``draft`` at nodes of the ``wanted`` distance, and their error from the network in pixels.
+def _at_nodes(draft, choices):
+    """``draft`` at nodes of the wanted distance, and entries of the report on their error.
 
     Raises
     ------
     InputError
-        If the error is above the limit, or the picture is too narrow for them.
+        If the error in the trained picture is above the limit, the picture is too narrow for
+        the nodes, or a network at every pixel is to have views.
     """
+    wanted, views = choices.nodes, choices.views
     if wanted != "auto":
         check_nodes(wanted, draft.geometry.corrected_width)
     found = check_curvature(draft, NODES if wanted == "auto" else (wanted,))
-    nodes = largest_nodes(found) if wanted == "auto" else wanted
-    return replace(draft, nodes=nodes), found[nodes]
+    report, errors = {}, found
+    if views:
+        check_view_nodes(wanted)
+        in_views = worst_node_errors(draft, views, None if wanted == "auto" else wanted)
+        errors = {nodes: max(found[nodes], error) for nodes, (error, _) in in_views.items()
+                  if nodes in found}
+        report = errors_report(views, in_views)
+    nodes = largest_nodes(errors) if wanted == "auto" else wanted
+    return replace(draft, nodes=nodes), {"nodes_curvature_px": found[nodes], **report}
 
 
 def _regions(source, network, nodes=1):
