@@ -21,8 +21,8 @@ from ncdc_spec.registers.host_values import network_values
 from ncdc_spec.registers.register_map import network_registers
 from ncdc_spec.tansig import VARIANTS
 
-__all__ = ["ERRORS", "EepromError", "Image", "MAGIC", "SERIAL_BYTES", "VERSION", "check_like",
-           "kind_bytes", "pack", "unpack"]
+__all__ = ["ERRORS", "EepromError", "Image", "LOADED", "MAGIC", "NO_CHIP", "SERIAL_BYTES",
+           "STATES", "VERSION", "check_like", "kind_bytes", "pack", "start", "unpack"]
 
 MAGIC, VERSION = b"NCDE", 1
 SERIAL_BYTES = 32       # ASCII, filled up with zeros
@@ -47,13 +47,19 @@ ERRORS = {
     "KIND": "it has other number formats, grid points, interpolation or tan-sigmoid",
 }
 
+# What a device reports of its EEPROM, by position: that the lens is from it, or why it is not.
+STATES = ("NoChip", "Loaded", *(name.capitalize() for name in ERRORS))
+NO_CHIP, LOADED = 0, 1
+
 
 class EepromError(InputError):
-    """An image that is rejected; ``name`` is one of :data:`ERRORS`."""
+    """An image that is rejected; ``name`` is one of :data:`ERRORS`, ``state`` its number among
+    :data:`STATES`."""
 
     def __init__(self, name, detail=""):
         super().__init__(f"the image is rejected: {ERRORS[name]}{detail and f' ({detail})'}")
         self.name = name
+        self.state = STATES.index(name.capitalize())
 
 
 @dataclass(frozen=True)
@@ -168,6 +174,20 @@ def check_like(image, descriptor):
                      ("SIZE", lambda one: (*one.geometry.corrected, *one.geometry.distorted))):
         if of(own) != of(needed):
             raise EepromError(name, "" if name == "KIND" else f"{of(own)}, {of(needed)} is needed")
+
+
+def start(content, built_in):
+    """What a device does at its start with the bytes of its EEPROM.
+
+    Returns (:class:`Descriptor` that it loads, number among :data:`STATES`, text): the built-in
+    one stays if the image is rejected, with the reason as text.
+    """
+    try:
+        image = unpack(content)
+        check_like(image, built_in)
+    except EepromError as error:
+        return built_in, error.state, str(error)
+    return image.descriptor, LOADED, f"the lens of {image.serial}"
 
 
 def _named(table, number, of):

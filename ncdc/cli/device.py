@@ -13,7 +13,9 @@ from ncdc.terminal import say
 from ncdc_host.device.emulated import Announcer, DeviceOptions, EmulatedDevice, lens_corrections
 from ncdc_model.correction import default_model
 from ncdc_spec.descriptor import Descriptor
+from ncdc_spec.eeprom import LOADED, NO_CHIP, start
 from ncdc_spec.errors import InputError
+from ncdc_spec.files import read_bytes
 from ncdc_spec.protocols.gvcp import PORT
 from ncdc_spec.protocols.table_one import TCP_PORT
 
@@ -42,6 +44,9 @@ def add_arguments(parser) -> None:
                        help="of the device: mt9p031 (default), imx219, ov5647; its registers, "
                        "limits and test patterns are those of a device with that sensor")
     add_field(serve)
+    serve.add_argument("--eeprom", metavar="IMAGE",
+                       help="content of the camera's EEPROM, as of ncdc lot export: its lens replaces "
+                       "the first one, unless the image is rejected")
     serve.add_argument("--fps", type=float, default=30.0, metavar="F",
                        help="frames per second after reset (default: 30)")
     serve.add_argument("--packet-loss", type=float, default=0.0, metavar="P",
@@ -65,6 +70,16 @@ def _frame(args, geometry):
     return raw_frame(args.photo, geometry, args.raw, args.bits)[0]
 
 
+def _started(path, built_in):
+    """The first lens, and the state of the EEPROM with the content at ``path``, or without one."""
+    if path is None:
+        return built_in, NO_CHIP
+    descriptor, state, text = start(read_bytes(path), built_in)
+    print(f"{path}: {text}" + ("" if state == LOADED else "; the built-in lens stays"),
+          file=sys.stderr, flush=True)
+    return descriptor, state
+
+
 def run(args) -> None:
     """Serve until a signal ends the process."""
     if not 1 <= args.count <= _COUNT_MAX:
@@ -72,6 +87,7 @@ def run(args) -> None:
     if not 0 <= args.tcp_port <= 0xFFFF:
         raise InputError(f"the TCP port is {args.tcp_port}, the limits are 0 and 65535")
     descriptors = [Descriptor.load(path) for path in args.descriptors]
+    descriptors[0], state = _started(args.eeprom, descriptors[0])
     image = _frame(args, descriptors[0].geometry)
     try:
         first = IPv4Address(args.address)
@@ -86,7 +102,8 @@ def run(args) -> None:
         for address in addresses:
             options = DeviceOptions(address, fps=args.fps, loss=args.packet_loss, noise=args.noise,
                                     loss_again=args.resend_loss, tcp_port=args.tcp_port,
-                                    field=field_of(args), sensor=args.sensor)
+                                    field=field_of(args), sensor=args.sensor,
+                                    eeprom=state)
             devices.append(EmulatedDevice(corrections, options, image))
             print(f"{options.serial} at {address}: Table I on TCP port {devices[-1].table.port}, "
                   f"GVCP on UDP port {PORT}", flush=True)

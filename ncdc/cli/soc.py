@@ -14,7 +14,9 @@ from ncdc_model.golden.corrector import check_raw
 from ncdc_model.images import check_suffix, write_image
 from ncdc_sim.link.namespaces import CLIENT, TAP, TapNetwork
 from ncdc_spec.descriptor import Descriptor
+from ncdc_spec.eeprom import start
 from ncdc_spec.errors import InputError
+from ncdc_spec.files import read_bytes
 
 __all__ = ["EXAMPLE", "add_arguments", "run"]
 
@@ -46,6 +48,9 @@ def add_arguments(parser) -> None:
         action.add_argument("--photo", required=True, dest="image", metavar="IMAGE",
                             help="what the camera looks at: a raw frame, or a colour picture to be "
                                  "mosaiced")
+        action.add_argument("--eeprom", metavar="IMAGE",
+                            help="content of the EEPROM on the sensor's bus, as of ncdc lot export "
+                                 "(default: there is none)")
         action.add_argument("--packet-loss", type=float, default=0.0, metavar="P",
                             help="part of the packets of pictures that gets lost, as 0.01, in "
                                  "steps of 0.001 (default: 0)")
@@ -94,9 +99,11 @@ def _run(args, descriptor):
     check_raw(raw, descriptor.geometry)
     if args.output:
         check_suffix(args.output)
+    eeprom = read_bytes(args.eeprom) if args.eeprom else None
     model = _model(args, descriptor, raw)
     if args.output:
-        write_image(args.output, model.golden().picture)
+        lens = descriptor if eeprom is None else start(eeprom, descriptor)[0]
+        write_image(args.output, model.golden(lens=lens).picture)
     address = model.identity.ip
     with TapNetwork() as network, tempfile.TemporaryDirectory(prefix="ncdc-") as folder:
         model.fill(folder)
@@ -107,7 +114,9 @@ def _run(args, descriptor):
         for number in (signal.SIGTERM, signal.SIGHUP):
             signal.signal(number, lambda *_: sys.exit(0))
         loss = f"+loss={round(_LOSS_STEPS * args.packet_loss)}"
-        process = network.start(model.command(f"+tap={TAP}", loss, "+rate"), cwd=folder)
+        process = network.start(
+            model.command(f"+tap={TAP}", loss, "+rate", *model.fill_eeprom(folder, eeprom)),
+            cwd=folder)
         try:
             return process.wait()
         except KeyboardInterrupt:

@@ -7,10 +7,13 @@ import subprocess
 import zipfile
 from dataclasses import dataclass, replace
 from importlib.metadata import version
+from importlib.resources import files
 from pathlib import Path
 
 from ncdc_boards.camera_board.programs import I2C_HZ
 from ncdc_hdl.camera.i2c import quarter_clocks
+from ncdc_hdl.export.drivers.c_header import c_header
+from ncdc_hdl.export.drivers.lenses import Lens
 from ncdc_hdl.link.processor import LINK_BASE
 from ncdc_soc.lwip import FILES, lwip_source
 from ncdc_soc.mac import SLOT_BYTES
@@ -30,9 +33,13 @@ from ncdc_spec.sensors.framing import Crop, field_values
 from ncdc_spec.sensors.waking import wake_times
 from ncdc_spec.white_balance import GAIN_BITS, LARGEST_GAIN, UNITY
 
-__all__ = ["FIRMWARE", "SOURCES", "Identity", "config", "firmware_image"]
+__all__ = ["DRIVER", "FIRMWARE", "SOURCES", "Identity", "config", "firmware_image"]
 
 FIRMWARE = Path(__file__).resolve().parent / "firmware_source"
+DRIVER = tuple(Path(str(files("ncdc_hdl.export.drivers") / "host" / name))
+               for name in ("ncdc.c", "ncdc_eeprom.c"))
+"""Sources of the C driver that the firmware has: lenses, and the image of an EEPROM."""
+
 _SPECS = "picolibc.specs"       # of the C library
 _COMPILER = "riscv64-unknown-elf-gcc"
 _I2C_QUARTER_MIN = 8      # clocks
@@ -41,9 +48,9 @@ _MIRRORS = "ReverseX", "ReverseY"
 _WINDOW = "Width", "Height", "OffsetX", "OffsetY"
 SOURCES = ("start.S", "main.c", "net.c", "table.c", "gvcp.c", "gvcp_control.c", "gvcp_read.c",
            "gvcp_write.c", "auto.c", "stream.c", "frames.c", "mraw.c", "words.c", "sensor.c",
-           "interrupt.c", "phy.c", "mdio.c", "ip.c", "eth.c", "uart.c", "memory.c")
+           "eeprom.c", "interrupt.c", "phy.c", "mdio.c", "ip.c", "eth.c", "uart.c", "memory.c")
 # Of these what answers GVCP has no part that takes long.
-_SLOW = ("main.c", "gvcp_write.c", "auto.c", "words.c", "phy.c", "mdio.c", "uart.c")
+_SLOW = ("main.c", "gvcp_write.c", "auto.c", "words.c", "eeprom.c", "phy.c", "mdio.c", "uart.c")
 _OPTIONS = ("-march=rv32im", "-mabi=ilp32", "-ffunction-sections", "-fdata-sections",
             "-ffreestanding", "-fbuiltin", "-fno-tree-loop-distribute-patterns",
             "-std=c11", "-Wall", "-Wextra", "-Werror", "-nostartfiles", f"--specs={_SPECS}",
@@ -118,13 +125,14 @@ def config(system, capacity, soc, setup, corner, identity=Identity(), *, sets_up
         **_sensor(setup, soc.clock_hz, max(1, sets_up)),
         **_protocols(identity, soc.clock_hz, genicam_xml(system.hardware.colour,
                                                          _listed(features))),
-        **_automatic(system, setup),
+        **_automatic(system, setup), **_lens(system),
         "SETS_UP": int(sets_up > 0), "FIRST_READER": f"{first_reader}u"}.items()]
     own = _own(features)
     lines.append("enum feature_id {" + ", ".join(f"FEATURE_{one.name}" for one in own) + "};")
     lines += [f"#define CONFIG_CHOICES {_choices(own)}", f"#define CONFIG_PARTS {_parts(own)}",
               f"#define CONFIG_FEATURES {_table(own)}",
               f"#define SYSTEM_SETTINGS {_settings(system, setup, corner, _quarter(soc, sets_up))}"]
+    lines.append(c_header(system.corrector.registers.table))
     return "\n".join([*lines, "#endif"]) + "\n"
 
 
@@ -241,6 +249,18 @@ def _automatic(system, setup):
         "AUTO_RATIO_MAX": f"{LARGEST_GAIN}u", "AUTO_RATIO_BITS": GAIN_BITS,
         "CORRECTOR_FRAMES": _hex(at["FRAMES"]), "CORRECTOR_SUMS": _hex(at["RED_SUM"]),
         "CORRECTOR_PIXELS": _hex(at["VALID_PIXELS"])}
+
+
+def _lens(system):
+    """The built-in lens as ``struct ncdc_lens`` of the C driver has it, without its valid rows,
+    which are in the corrector from the beginning."""
+    lens = Lens.of(system.corrector, system.descriptor)
+    return {
+        "LENS_NEURONS": f"{lens.neurons}u",
+        "LENS_INTERPOLATION": f"NCDC_CAPABILITIES_{lens.interpolation.upper()}",
+        "CONFIG_LENS_KIND": _braced(map(str, lens.kind)),
+        "CONFIG_LENS_VALUES": _braced(_braced([f"NCDC_{name}", _hex(value & 0xFFFFFFFF)])
+                                      for name, value in lens.values.items())}
 
 
 def _frame_exposure(setup):
@@ -400,11 +420,11 @@ def firmware_image(text, soc, folder):
               for what, value in zip(("BASE", "BYTES"), soc.memories[name])]
     lwip = lwip_source()
     # lwIP's headers are third-party code, whose warnings are ignored.
-    headers = [f"-I{folder}", f"-I{FIRMWARE}", f"-I{FIRMWARE / 'lwip_port'}", "-isystem",
-               str(lwip / "include")]
+    headers = [f"-I{folder}", f"-I{FIRMWARE}", f"-I{FIRMWARE / 'lwip_port'}",
+               f"-I{DRIVER[0].parent}", "-isystem", str(lwip / "include")]
     fast = [FIRMWARE / name for name in SOURCES if name not in _SLOW]
-    for name, options, sources in (("fast", _FAST, fast),
-                                   ("slow", _SMALL, [FIRMWARE / name for name in _SLOW]),
+    slow = [*(FIRMWARE / name for name in _SLOW), *DRIVER]
+    for name, options, sources in (("fast", _FAST, fast), ("slow", _SMALL, slow),
                                    ("lwip", _SMALL, [lwip / name for name in FILES])):
         (folder / name).mkdir(exist_ok=True)
         _run([_COMPILER, *options, *_OPTIONS, *headers, "-c", *map(str, sources)], folder / name)

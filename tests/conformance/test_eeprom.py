@@ -1,84 +1,34 @@
-"""Images of EEPROMs: one list of damaged ones for Python and for the driver in C."""
+"""Images of EEPROMs: one list of damaged ones for Python, the driver in C, and the firmware."""
 
 import struct
 import subprocess
-import zlib
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from cameras import barrel_descriptor
-from drivers import WIDE, compile_c
+from drivers import compile_c
+from eeprom_images import BUILT_IN, DAMAGED, GOOD, OTHER
+from firmware_wire import Wire
 from ncdc_hdl.corrector import Corrector
 from ncdc_hdl.export.drivers.drivers import driver_files
 from ncdc_hdl.export.drivers.lenses import Lens
 from ncdc_spec.descriptor import Descriptor
-from ncdc_spec.eeprom import ERRORS, EepromError, check_like, pack, unpack
+from ncdc_spec.eeprom import ERRORS, STATES, EepromError, check_like, pack, start, unpack
 from ncdc_spec.errors import InputError
 from ncdc_spec.hardware import Hardware
-from ncdc_spec.registers.register_map import registers
+from ncdc_spec.protocols import gvcp
+from ncdc_spec.registers.register_map import TABLE, registers
 
-OTHER = barrel_descriptor((20, 16), (24, 18), hidden_neurons=3, seed=9, strength=0.12,
-                          bayer="GBRG", fill=(1, 2, 250))
-GOOD = pack("A0017", OTHER)
-OFFSETS = {r.name: 4 * r.address for r in registers(WIDE.hidden_neurons, WIDE.formats)}
-
-
-def summed(content):
-    """The image with a checksum that is right again."""
-    return content[:-4] + struct.pack("<I", zlib.crc32(content[:-4]))
-
-
-def changed(at, *values):
-    """The good image with other bytes from ``at`` on, and the checksum right."""
-    return summed(GOOD[:at] + bytes(values) + GOOD[at + len(values):])
-
-
-def shortened(size):
-    """The good image without some bytes of its rows; length and checksum are right."""
-    content = GOOD[:-4 - size] + bytes(4)
-    return summed(content[:8] + struct.pack("<H", len(content)) + content[10:])
-
-
-def lengthened():
-    content = GOOD[:-4] + bytes(8)
-    return summed(content[:8] + struct.pack("<H", len(content)) + content[10:])
-
-
-# Offsets as in docs/reference/eeprom.md.
-DAMAGED = {
-    "all zeros": (bytes(4096), "EMPTY"), "all ones": (b"\xff" * 4096, "EMPTY"),
-    "nothing": (b"", "EMPTY"), "another file": (b"GIF89a" + bytes(200), "MAGIC"),
-    "bytes swapped": (GOOD[3::-1] + GOOD[4:], "MAGIC"), "three bytes": (b"NCD", "MAGIC"),
-    "no version": (b"NCDE", "VERSION"),
-    "a later version": (changed(4, 2), "VERSION"), "only the header": (GOOD[:60], "LENGTH"),
-    "cut": (GOOD[:-1], "LENGTH"), "a length of zero": (changed(8, 0, 0), "LENGTH"),
-    "too long": (changed(8, 255, 255), "LENGTH"),
-    "a bit of a weight": (GOOD[:90] + bytes([GOOD[90] ^ 4]) + GOOD[91:], "CHECKSUM"),
-    "a wrong checksum": (GOOD[:-1] + bytes([GOOD[-1] ^ 1]), "CHECKSUM"),
-    "unknown flags": (changed(6, 2), "CONTENT"),
-    "a skip path without a format": (changed(6, 1), "CONTENT"),
-    "a serial number with a line break": (changed(30, 10), "CONTENT"),
-    "a serial number that goes on after a zero": (changed(59, 65), "CONTENT"),
-    "no such filter": (changed(7, 5), "CONTENT"),
-    "a weight out of range": (changed(82, 0, 0, 0, 1), "CONTENT"),
-    "rows cut": (shortened(1), "CONTENT"), "a byte after the rows": (lengthened(), "CONTENT"),
-    "a span that ends beyond the picture":
-        (summed(GOOD[:150] + bytes([0x02, 42]) + GOOD[152:]), "CONTENT"),
-    "more neurons": (pack("A", barrel_descriptor((20, 16), (24, 18), hidden_neurons=4)), "NEURONS"),
-    "a larger picture": (pack("A", barrel_descriptor((24, 16), (24, 18), hidden_neurons=3)),
-                         "SIZE"),
-    "a larger sensor": (pack("A", barrel_descriptor((20, 16), (26, 18), hidden_neurons=3)), "SIZE"),
-    "another interpolation": (changed(60, 1), "KIND"),
-    "another tan-sigmoid": (changed(62, 2), "KIND"),
-}
+OFFSETS = {r.name: 4 * r.address for r in registers(BUILT_IN.hidden_neurons, BUILT_IN.formats)}
 
 C = """#include <stdio.h>
 #include "ncdc_eeprom.h"
+#include "ncdc_lenses.h"
 static uint8_t image[1 << 16];
 static struct ncdc_value values[200];
-static uint32_t rows[64];
+static uint32_t rows[96];
 int main(int count, char **names)
 {
     struct ncdc_eeprom_lens into = {.values = values, .valid_rows = rows};
@@ -86,7 +36,7 @@ int main(int count, char **names)
     for (k = 1; k < count; ++k) {
         FILE *file = fopen(names[k], "rb");
         uint32_t bytes = (uint32_t)fread(image, 1, sizeof image, file), n;
-        int result = ncdc_eeprom_read(image, bytes, &ncdc_lens_wide, &into);
+        int result = ncdc_eeprom_read(image, bytes, &ncdc_lens_built_in, &into);
         fclose(file);
         printf("%d\\n", result);
         if (result || k > 1)
@@ -106,7 +56,7 @@ int main(int count, char **names)
 
 def verdict(content):
     try:
-        check_like(unpack(content), WIDE)
+        check_like(unpack(content), BUILT_IN)
     except EepromError as error:
         assert str(error).startswith(f"the image is rejected: {ERRORS[error.name]}")
         return error.name
@@ -117,7 +67,7 @@ def test_an_image_gives_the_descriptor_again():
     image = unpack(GOOD + b"\xff" * 100)
     assert image.serial == "A0017" and image.descriptor.digest == OTHER.digest
     assert image.descriptor.geometry == OTHER.geometry
-    assert verdict(GOOD) == "OK" and len(GOOD) < 220
+    assert verdict(GOOD) == "OK" and len(GOOD) < 320
 
 
 def test_an_image_of_a_large_picture_with_nodes_and_a_skip_path():
@@ -151,8 +101,8 @@ def test_no_flipped_bit_is_accepted():
 
 
 def test_the_driver_in_c_reads_and_rejects_the_same(tmp_path):
-    corrector = Corrector(WIDE, Hardware())
-    for name, text in driver_files(corrector, [("wide.toml", WIDE)]).items():
+    corrector = Corrector(BUILT_IN, Hardware())
+    for name, text in driver_files(corrector, [("built_in.toml", BUILT_IN)]).items():
         (tmp_path / name).write_text(text)
     (tmp_path / "main.c").write_text(C)
     compile_c(tmp_path, "-fsanitize=address,undefined", "-fno-sanitize-recover", "-o", "main",
@@ -175,3 +125,80 @@ def test_the_driver_in_c_reads_and_rejects_the_same(tmp_path):
     names = list(ERRORS)
     assert {name: names[int(code) - 1] for name, code in zip(DAMAGED, rest.split())} == {
         name: expected for name, (_, expected) in DAMAGED.items()}
+
+
+# In a chip an image that is cut goes on, with ones.
+CHIPS = {name: content.ljust(4096, b"\xff")[:4096] for name, (content, _) in DAMAGED.items()}
+ON_CHIP = {name: expected for name, (_, expected) in DAMAGED.items()} | {
+    "only the header": "CHECKSUM", "cut": "CHECKSUM"}
+
+
+def status_of(wire):
+    """What the firmware answers of EepromStatus."""
+    answer, = wire.datagram(gvcp.command_packet(
+        gvcp.READREG, 1, struct.pack(">I", gvcp.register("EepromStatus").address)))
+    status, _, _, data = gvcp.parse_acknowledge(answer)
+    assert status == gvcp.SUCCESS
+    return STATES[int.from_bytes(data, "big")]
+
+
+def core_of(wire, lens):
+    """Registers of the corrector that a lens is in: values by name, words of the valid rows."""
+    return ({name: wire.peek(OFFSETS[name] // 4) for name in lens.values},
+            [wire.peek(TABLE + k) for k in range(len(lens.valid_rows))],
+            [wire.peek(OFFSETS[name] // 4) for name in ("VALID_BANK", "CTRL")])
+
+
+@pytest.fixture
+def chip(tmp_path):
+    """``chip(content)``: arguments of the firmware with that content of its EEPROM."""
+    def made(content, address_bytes=2, busy=0):
+        path = tmp_path / "chip.bin"
+        path.write_bytes(content)
+        return path, address_bytes, busy
+    return made
+
+
+@pytest.mark.longer
+@pytest.mark.parametrize("address_bytes,busy", [(1, 0), (2, 0), (2, 11)])
+def test_the_firmware_loads_the_lens(wire_firmware, chip, address_bytes, busy):
+    """Every register and valid row is that of the lens, in the other bank, and committed."""
+    corrector = Corrector(BUILT_IN, Hardware(bus="axi", format="BGR8", colour=True))
+    lens = Lens.of(corrector, OTHER)
+    with Wire(wire_firmware, *chip(GOOD, address_bytes, busy)) as wire:
+        values, rows, (bank, control) = core_of(wire, lens)
+        assert status_of(wire) == "Loaded"
+    expected = {name: value & 0xFFFFFFFF for name, value in lens.values.items()}
+    # The split of the cache stays that of the built-in lens.
+    assert values | {"CACHE_SPLIT": 0} == expected | {"CACHE_SPLIT": 0}
+    assert rows == list(lens.valid_rows) and (bank, control) == (1, 2)
+
+
+@pytest.mark.longer
+def test_the_firmware_rejects_the_same_and_changes_nothing(wire_firmware, chip):
+    lens = Lens.of(Corrector(BUILT_IN, Hardware(bus="axi", format="BGR8")), BUILT_IN)
+    found = {}
+    for name, content in CHIPS.items():
+        with Wire(wire_firmware, *chip(content)) as wire:
+            found[name] = status_of(wire).upper()
+            values, rows, rest = core_of(wire, lens)
+            assert not any((*values.values(), *rows, *rest)), name
+    assert found == ON_CHIP
+    assert found == {name: STATES[start(content, BUILT_IN)[1]].upper()
+                     for name, content in CHIPS.items()}
+
+
+@pytest.mark.longer
+@pytest.mark.parametrize("content,address_bytes,busy,expected", [
+    (b"", 1, 0, "Empty"), (bytes(2048), 1, 0, "Empty"), (b"GIF89a", 1, 0, "Magic"),
+    (GOOD[:100], 1, 0, "Checksum"), (b"NCDE\x01", 1, 0, "Length"), (GOOD, 2, 12, "NoChip")])
+def test_other_chips(wire_firmware, chip, content, address_bytes, busy, expected):
+    """With addresses of a byte; one that ends no write in 10 ms."""
+    with Wire(wire_firmware, *chip(content, address_bytes, busy)) as wire:
+        assert status_of(wire) == expected
+
+
+@pytest.mark.longer
+def test_without_a_chip(wire_firmware):
+    with Wire(wire_firmware) as wire:
+        assert status_of(wire) == "NoChip"

@@ -8,11 +8,15 @@ import pytest
 
 from cameras import barrel_descriptor
 from devices import SIZE, device, loopback_address, small_lens
+from eeprom_images import BUILT_IN, GOOD, OTHER
 from ncdc import cli
 from ncdc_bench.client import command as bench
 from ncdc_model.example import noise_picture
 from ncdc_model.golden.corrector import correct
 from ncdc_model.images import read_image, write_image
+from ncdc_spec.eeprom import STATES
+from ncdc_spec.protocols.features import feature
+from ncdc_spec.protocols.gvcp import CORRECTOR_BASE, READREG, command_packet
 
 
 @pytest.fixture
@@ -103,6 +107,7 @@ def test_one_sentence(one, command, status, message, capsys):
     ("net.toml --photo net.toml", "net.toml is a descriptor of ncdc train, a picture is"),
     ("net.toml --photo small.png --raw 64x48:RGGB:8", "small.png has "),
     ("net.toml --photo small.png --bits 12", "small.png declares samples of 8 bits"),
+    ("net.toml --eeprom none.bin", "cannot read none.bin"),
     ("net.toml --count 0", "0 devices are asked for, the limits are 1 and 16"),
     ("net.toml --fps 0", "fps is 0, the limits are 0.1 and 120"),
     ("net.toml --packet-loss 0.6", "loss is 0.6, the limits are 0 and 0.5"),
@@ -116,6 +121,26 @@ def test_a_device_that_cannot_be(options, message, capsys):
     assert run(f"device serve {options}") == 2
     err = capsys.readouterr().err.removeprefix("preparing the correction\n")
     assert message in err and err.count("\n") == 1, err
+
+
+@pytest.mark.parametrize("content,state,lens,text", [
+    (GOOD, "Loaded", OTHER, "a.bin: the lens of A0017"),
+    (GOOD[:-1], "Length", BUILT_IN, f"a.bin: the image is rejected: it is shorter or longer than "
+     f"it says ({len(GOOD) - 1} bytes, it says {len(GOOD)}); the built-in lens stays")])
+def test_a_device_with_an_eeprom(folder, monkeypatch, capsys, content, state, lens, text):
+    def look(devices):
+        agent = devices[0].agent
+        for address in (feature("EepromStatus").address, CORRECTOR_BASE + 4):
+            packet = command_packet(READREG, 1, address.to_bytes(4, "big"))
+            seen.append(int.from_bytes(agent.handle(packet, ("127.1.1.1", 5000))[8:], "big"))
+        raise KeyboardInterrupt
+
+    seen = []
+    monkeypatch.setattr("ncdc.cli.device.Announcer", look)
+    (folder / "a.bin").write_bytes(content)
+    assert run(f"device serve net.toml --eeprom a.bin --address {loopback_address()}") == 0
+    assert seen == [STATES.index(state), int(lens.digest[:8], 16)]
+    assert text in capsys.readouterr().err.splitlines()
 
 
 def test_an_address_in_use(capsys):

@@ -3,7 +3,7 @@
 import subprocess
 from pathlib import Path
 
-from ncdc_soc.firmware import FIRMWARE, SOURCES
+from ncdc_soc.firmware import DRIVER, FIRMWARE, SOURCES
 from ncdc_soc.lwip import FILES, lwip_source
 
 __all__ = ["host_program"]
@@ -20,12 +20,14 @@ def host_program(text, folder, name, firmware=FIRMWARE):
     folder, lwip = Path(folder), lwip_source()
     (folder / "config.h").write_text(text)
     sources = [*(firmware / source for source in SOURCES if source not in _ON_TARGET),
-               _PROGRAMS / "machine.c", _PROGRAMS / f"{name}.c",
+               *DRIVER, *(_PROGRAMS / file for file in ("machine.c", "chip.c", f"{name}.c")),
                *(lwip / source for source in FILES)]
+    headers = [f"-I{path}" for path in (folder, firmware, firmware / "lwip_port",
+                                        DRIVER[0].parent)]
     done = subprocess.run(
         ["gcc", "-std=gnu11", "-O1", "-g", "-fsanitize=address,undefined",
-         "-fno-sanitize-recover=all", "-DFIRMWARE_HOST", "-Wall", "-Wextra", "-Werror",
-         f"-I{folder}", f"-I{firmware}", f"-I{firmware / 'lwip_port'}", "-isystem",
-         lwip / "include", *sources, "-o", folder / name], capture_output=True, text=True)
+         "-fno-sanitize-recover=all", "-DFIRMWARE_HOST", "-Wall", "-Wextra", "-Werror", *headers,
+         "-isystem", lwip / "include", *sources, "-o", folder / name],
+        capture_output=True, text=True)
     assert not done.returncode, done.stderr
     return folder / name

@@ -41,7 +41,7 @@ def wire_program(folder, *args, **options):
 
 
 class Wire:
-    """Runs ``program``, of ``host_program(..., "wire")``, as a context.
+    """Runs ``program``, of ``host_program(..., "wire")``, with ``arguments``, as a context.
 
     Attributes
     ----------
@@ -52,12 +52,13 @@ class Wire:
     streamed : int
         Frames that it was made to send.
     """
-    def __init__(self, program):
-        self._program, self.sent, self.resent = program, [], []
+    def __init__(self, program, *arguments):
+        self._command_line = [program, *map(str, arguments)]
+        self.sent, self.resent = [], []
         self.streamed, self._values = 0, []
 
     def __enter__(self):
-        self._process = subprocess.Popen([self._program], stdin=subprocess.PIPE,
+        self._process = subprocess.Popen(self._command_line, stdin=subprocess.PIPE,
                                          stdout=subprocess.PIPE, text=True)
         return self
 

@@ -8,6 +8,7 @@ from ipaddress import IPv4Address
 
 from ncdc_host.device.registers import Rejected
 from ncdc_host.device.stream import Receiver
+from ncdc_spec.eeprom import NO_CHIP
 from ncdc_spec.protocols import gvcp, gvsp
 from ncdc_spec.protocols.features import VIEW_FEATURES, feature, register_number
 from ncdc_spec.protocols.genicam import genicam_xml
@@ -37,8 +38,10 @@ class Identity:
         Up to 15 characters.
     mask : str
         Mask of its net.
+    eeprom : int
+        What the feature EepromStatus shows.
     """
-    def __init__(self, address, serial, version, mask="255.255.255.0"):
+    def __init__(self, address, serial, version, mask="255.255.255.0", eeprom=NO_CHIP):
         number = int(IPv4Address(address))
         self.address = address
         # Locally administered; the address makes it unique on its net.
@@ -49,7 +52,8 @@ class Identity:
             "IpAddress": number, "SubnetMask": int(IPv4Address(mask)), "Gateway": 0,
             "NetworkInterfaces": 1, "MessageChannels": 0, "StreamChannels": 1,
             "Capability": gvcp.CAPABILITY, "TickFrequencyHigh": 0,
-            "TickFrequencyLow": 1_000_000_000, "PendingTimeout": gvcp.PENDING_MS}
+            "TickFrequencyLow": 1_000_000_000, "PendingTimeout": gvcp.PENDING_MS,
+            "EepromStatus": eeprom}
         self.texts = {
             "DeviceVendorName": "NCDC", "DeviceModelName": "NCDC emulated device",
             "DeviceVersion": version, "DeviceManufacturerInfo": "distortion correction",

@@ -18,6 +18,7 @@ from ncdc_host.device.registers import Registers
 from ncdc_host.device.stream import Stream
 from ncdc_host.device.table_server import TableServer
 from ncdc_model.correction import Correction
+from ncdc_spec.eeprom import NO_CHIP
 from ncdc_spec.errors import InputError
 from ncdc_spec.geometry import MONO
 from ncdc_spec.protocols.gvcp import DISCOVERY, FORCEIP, PORT, parse_command
@@ -53,6 +54,8 @@ class DeviceOptions:
         :func:`ncdc_spec.sensors.framing.setup_around`; None: the middle, pixel by pixel.
     sensor : str
         Name of its sensor.
+    eeprom : int
+        What the feature EepromStatus shows, a number among :data:`ncdc_spec.eeprom.STATES`.
 
     Raises
     ------
@@ -68,6 +71,7 @@ class DeviceOptions:
     tcp_port: int = TCP_PORT
     field: str = None
     sensor: str = "mt9p031"
+    eeprom: int = NO_CHIP
 
     def __post_init__(self):
         for name, low, high in (("fps", 0.1, 120), ("loss", 0, 0.5), ("loss_again", 0, 0.5),
@@ -169,7 +173,8 @@ class EmulatedDevice:
                                  f"{error.strerror}") from error
             opened.pop_all()
         self.agent = ControlAgent(
-            Identity(options.address, options.serial, version("ncdc")), self.registers,
+            Identity(options.address, options.serial, version("ncdc"), eeprom=options.eeprom),
+            self.registers,
             self.camera, self.stream, CorrectorWindow(self.registers, self.camera))
         self._thread = threading.Thread(target=self._serve, daemon=True)
         self._thread.start()

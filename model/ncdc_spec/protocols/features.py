@@ -8,6 +8,7 @@ these words are registers of the sensor: :func:`features_of` has the features of
 
 from dataclasses import dataclass, replace
 
+from ncdc_spec.eeprom import STATES
 from ncdc_spec.pixel_formats import PIXEL_FORMATS
 from ncdc_spec.protocols import auto_control, gvsp
 from ncdc_spec.protocols.gvcp import BOOTSTRAP, FEATURE_BASE
@@ -275,6 +276,10 @@ _ALL = (
             unit="byte", locked=True, field=(0, 16)),
     Feature("GevSCPD", "integer", _BOOTSTRAP["StreamPacketDelay"], "Delay between two packets.",
             "TransportLayerControl", high=1_000_000, unit="ns"),
+    Feature("EepromStatus", "enumeration", _BOOTSTRAP["EepromStatus"], "Loaded: the first lens is "
+            "that of the camera's EEPROM; else why it is the built-in one.", "NcdcControl",
+            access="ro", high=len(STATES) - 1,
+            choices=tuple(Choice(name, k, k) for k, name in enumerate(STATES))),
 )
 
 

@@ -123,6 +123,8 @@ BOOTSTRAP = (
     Register("StreamAddress", 0x0D18, 4, "rw", "IPv4 address of the receiver, or a multicast "
              "group"),
     Register("StreamSourcePort", 0x0D1C, 4, "ro", "UDP port that the stream comes from"),
+    Register("EepromStatus", 0xA000, 4, "ro", "feature of that name; the first of the addresses "
+             "that are the manufacturer's"),
 )
 _BY_NAME = {register.name: register for register in BOOTSTRAP}
 

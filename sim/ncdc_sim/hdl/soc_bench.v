@@ -1,5 +1,5 @@
-// The system on a chip, with a sensor at its pins; clocks, Ethernet and serial line come from
-// soc_main.cpp. NCDC_SENSOR is the sensor's name, NCDC_CSI2 the number of its lanes, 2, if it has CSI-2: its
+// The system on a chip, with a sensor and an EEPROM (24C64) at its pins; clocks, Ethernet and serial line
+// come from soc_main.cpp. NCDC_SENSOR is the sensor's name, NCDC_CSI2 the number of its lanes, 2, if it has CSI-2: its
 // PHY is left out, and the clock of the bytes is that of the pixels.
 
 `timescale 1ns/1ps
@@ -18,9 +18,10 @@ module soc_bench (
     output wire       terminal_ready,
     input  wire [7:0] terminal_data
 );
-    wire        pixclk, frame_valid, line_valid, scl_low, sda_low, sensor_sda_low, reset_n;
+    wire        pixclk, frame_valid, line_valid, scl_low, sda_low, reset_n;
+    wire        sensor_sda_low, eeprom_sda_low;
     wire [11:0] data;
-    wire        scl = !scl_low, sda = !sda_low && !sensor_sda_low;
+    wire        scl = !scl_low, sda = !sda_low && !sensor_sda_low && !eeprom_sda_low;
 
 `ifdef NCDC_CSI2
     wire [8*`NCDC_CSI2-1:0] lane_bytes;
@@ -55,4 +56,7 @@ module soc_bench (
     sensor #(.SENSOR(`NCDC_SENSOR)) sensor (
         .extclk(extclk), .reset_n(reset_n && !rst), .pixclk(pixclk), .frame_valid(frame_valid),
         .line_valid(line_valid), .data(data), .scl(scl), .sda(sda), .sda_low(sensor_sda_low));
+
+    eeprom_24c #(.BYTES(8192)) eeprom (
+        .clk(extclk), .scl(scl), .sda(sda), .sda_low(eeprom_sda_low));
 endmodule

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from ncdc_model.correction import correct
 from ncdc_sim.link.namespaces import TAP, TapNetwork
-from ncdc_sim.runner import HDL, build, command_of
+from ncdc_sim.runner import HDL, build, command_of, hdl_text
 from ncdc_sim.sensor.photo import still_raw
 from ncdc_sim.sensor.reference import raw_frames
 from ncdc_sim.sensor.verilog import sensor_sources
@@ -15,6 +15,7 @@ from ncdc_sim.tools import SimulationError
 from ncdc_soc.core import SocCore, core_verilog
 from ncdc_soc.firmware import Identity, config, firmware_image
 from ncdc_soc.soc import soc_verilog
+from ncdc_spec.errors import InputError
 from ncdc_spec.hardware import Hardware
 from ncdc_spec.raw_gains import NO_RAW_GAINS, frame_gains
 from ncdc_spec.sensors.catalogue import controlled_sensor
@@ -30,6 +31,7 @@ _TIME_SCALE = 1000
 _QUEUE_BYTES = 18 * 1024        # of the packetiser: two packets of an MTU of 9000
 _STARTED = "address: "          # what the firmware says when it listens
 _TIMEOUT_S = 120
+_EEPROM_BYTES = 8192            # as soc_bench.v has it
 
 
 class SocModel:
@@ -83,15 +85,32 @@ class SocModel:
         (folder / "ncdc_soc_sram.init").write_text("0\n")
         (folder / "sensor.bin").write_bytes(self._light.data())
 
+    def fill_eeprom(self, folder, content):
+        """Write the content of the EEPROM on the sensor's bus, or None; the program's arguments.
+
+        Raises
+        ------
+        InputError
+            If it is larger than the EEPROM.
+        """
+        if content is None:
+            return ()
+        if len(content) > _EEPROM_BYTES:
+            raise InputError(f"the image has {len(content)} bytes, the EEPROM of the simulation "
+                             f"has {_EEPROM_BYTES}")
+        (Path(folder) / "eeprom.bin").write_bytes(content)
+        return ("+eeprom_file=eeprom.bin",)
+
     def command(self, *plusargs):
         """The program with its arguments, to be run in a folder that was filled."""
         return [*command_of(self.program), *self._light.plusargs("sensor.bin"), *plusargs]
 
-    def golden(self, exposure_us=None, gains=NO_RAW_GAINS):
+    def golden(self, exposure_us=None, gains=NO_RAW_GAINS, lens=None):
         """The golden model's :class:`Corrected` of the frame that the sensor sends with that
-        exposure, None: the first one, with these gains at capture."""
+        exposure, None: the first one, with these gains at capture, and another ``lens``, a
+        :class:`Descriptor`, if the device has loaded one."""
         found = self.setup if exposure_us is None else self._set_up(exposure_us)[0]
-        return correct(self.descriptor, self.raw(found, gains))
+        return correct(lens or self.descriptor, self.raw(found, gains))
 
     def raw_at(self, exposure_us):
         """The raw frame that the sensor sends with that exposure."""
@@ -110,7 +129,8 @@ class SocModel:
 
 def _build(core_text, soc, setup):
     """The program. It reads the firmware when it starts: new firmware needs no new program."""
-    sources = [("soc_bench.v", (HDL / "soc_bench.v").read_text()), *sensor_sources(),
+    sources = [*((name, hdl_text(name)) for name in ("soc_bench.v", "eeprom_24c.v")),
+               *sensor_sources(),
                ("ncdc_core.v", core_text), ("ncdc_soc.v", soc.text),
                ("VexRiscv.v", Path(soc.core).read_text())]
     # LiteX's Verilog and the processor's are others': their warnings are not ours to mend.
@@ -131,6 +151,8 @@ class SocRun:
         Frames of a thousand that are lost on their way out.
     mtu : int
         MTU of the clients' network interface.
+    eeprom : bytes, optional
+        Content of the EEPROM on the sensor's bus; without it there is none.
 
     Attributes
     ----------
@@ -143,8 +165,8 @@ class SocRun:
         If there can be no such network, or the firmware does not start.
     """
 
-    def __init__(self, model, loss=0, mtu=1500):
-        self._model, self._loss = model, loss
+    def __init__(self, model, loss=0, mtu=1500, eeprom=None):
+        self._model, self._loss, self._eeprom = model, loss, eeprom
         self.network = TapNetwork(mtu)
 
     def __enter__(self):
@@ -156,7 +178,8 @@ class SocRun:
             self._screen, self._said = folder / "screen.txt", folder / "said.txt"
             with open(self._screen, "w") as screen, open(self._said, "w") as said:
                 self._process = self.network.start(
-                    self._model.command(f"+tap={TAP}", f"+loss={self._loss}", "+answers"),
+                    self._model.command(f"+tap={TAP}", f"+loss={self._loss}", "+answers",
+                                        *self._model.fill_eeprom(folder, self._eeprom)),
                     cwd=folder, stdout=screen, stderr=said)
             self._wait()
         except BaseException:

@@ -1,6 +1,7 @@
 #include <string.h>
 
 #include "auto.h"
+#include "eeprom.h"
 #include "gvcp_control.h"
 #include "hw.h"
 #include "stream.h"
@@ -71,6 +72,7 @@ static bool number(uint32_t address, uint32_t *value)
 	case BOOT_StreamPacketDelay: *value = control.delay; return true;
 	case BOOT_StreamAddress: *value = control.address; return true;
 	case BOOT_StreamSourcePort: *value = STREAM_PORT; return true;
+	case BOOT_EepromStatus: *value = eeprom_status; return true;
 	}
 	return false;
 }

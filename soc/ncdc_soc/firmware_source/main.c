@@ -2,6 +2,7 @@
 #include <stdbool.h>
 
 #include "auto.h"
+#include "eeprom.h"
 #include "eth.h"
 #include "gvcp.h"
 #include "hw.h"
@@ -39,8 +40,9 @@ static void camera_start(void)
 		uart_text("sensor: started\n");
 }
 
-static void camera_poll(void)
+static bool camera_begun(void)
 {
+	return true;
 }
 #else
 static void camera_start(void)
@@ -48,15 +50,23 @@ static void camera_start(void)
 }
 
 /* Another part of the design initialises the sensor; its first frame shows that its bus is free. */
-static void camera_poll(void)
+static bool camera_begun(void)
 {
 	static bool begun;
 
-	if (begun || !interrupt_frames(true))
-		return;
-	begun = !words_begin();
+	if (!begun && interrupt_frames(true))
+		begun = !words_begin();
+	return begun;
 }
 #endif
+
+static void camera_poll(void)
+{
+	static bool loaded;
+
+	if (camera_begun() && !loaded && sensor_idle())
+		loaded = eeprom_load();
+}
 
 /* Called at an exception, after which the processor waits until the watchdog resets all. */
 void trapped(uint32_t cause, uint32_t at);
@@ -83,12 +93,12 @@ int main(void)
 	for (;;) {
 		watchdog_feed();
 		sensor_poll();
+		camera_poll();		/* before who asks for the sensor again and again */
 		net_poll();
 		stream_poll();
 		gvcp_poll();
 		table_poll();
 		auto_poll();
 		phy_poll();
-		camera_poll();
 	}
 }

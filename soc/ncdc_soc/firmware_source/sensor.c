@@ -66,6 +66,11 @@ static void begin(bool writes, uint32_t address, uint32_t value)
 	try_it();
 }
 
+bool sensor_idle(void)
+{
+	return bus.phase != MOVING;
+}
+
 void sensor_poll(void)
 {
 	uint32_t result;
@@ -78,8 +83,7 @@ void sensor_poll(void)
 	result = reg_read(NCDC_I2C_RESULT);
 	if (result & NCDC_I2C_RESULT_BUSY)
 		return;
-	bus.failed = result & (NCDC_I2C_RESULT_NACK | NCDC_I2C_RESULT_LOST |
-			       NCDC_I2C_RESULT_TIMEOUT);
+	bus.failed = result & I2C_FAILED;
 	if (bus.failed && bus.tries < TRIES) {
 		++bus.tries;
 		try_it();

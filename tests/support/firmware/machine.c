@@ -67,6 +67,8 @@ void machine_begin(void)
 	words_begin();
 	gvcp_begin();
 	net_begin();
+	while (!eeprom_load())
+		;
 }
 
 void machine_turn(void)

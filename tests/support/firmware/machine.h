@@ -9,6 +9,7 @@
 #include <string.h>
 
 #include "auto.h"
+#include "eeprom.h"
 #include "eth.h"
 #include "gvcp.h"
 #include "hw.h"

@@ -11,7 +11,10 @@
  * BLUE" ask for what the rules of auto.h say; "i ADDRESS" asks for a register of the sensor. The answer
  * to these begins with "v", in decimal.
  * The sensor's registers take what is written; at first they hold what the firmware would set them to.
+ * Arguments, if there is an EEPROM: a file of its content, the bytes of an address in it, and how often
+ * it does not answer at first.
  * A new frame is complete whenever time passes. */
+#include "chip.h"
 #include "machine.h"
 
 #define TURNS 300		/* of the loop for a frame: more than any answer needs */
@@ -32,6 +35,7 @@ static const struct {
 
 static uint8_t registers[VALUE_BYTES << SENSOR_POINTER_BITS];
 static uint32_t i2c_result, i2c_bytes, i2c_at;
+static bool i2c_sensor;		/* it is the sensor that was addressed */
 
 static uint32_t light;		/* 0: raw frames show their addresses */
 static uint32_t exposed[3];	/* lines times gain, of the frame that is complete and of the next ones */
@@ -48,6 +52,12 @@ static void i2c(uint32_t command)
 {
 	i2c_result = 0;
 	if (command & NCDC_I2C_COMMAND_START)
+		i2c_sensor = (command & 0xff) >> 1 == SENSOR_I2C;
+	if (chip_i2c(command, &i2c_result))
+		return;
+	if (!i2c_sensor)
+		i2c_result = NCDC_I2C_RESULT_NACK;
+	else if (command & NCDC_I2C_COMMAND_START)
 		i2c_bytes = 0;
 	else if (command & NCDC_I2C_COMMAND_WRITE && ++i2c_bytes <= POINTER_BYTES)
 		i2c_at = (i2c_bytes == 1 ? 0 : i2c_at << 8) | (command & 0xff) * VALUE_BYTES;
@@ -206,7 +216,17 @@ static void corrector(const char *line)
 		printf("v %u\n", core[offset / 4]);
 }
 
-int main(void)
+/* What the corrector says of itself. */
+static void identify(void)
+{
+	core[NCDC_NEURONS / 4] = LENS_NEURONS;
+	core[NCDC_CAPABILITIES / 4] = LENS_INTERPOLATION |
+				      (NCDC_CAPABILITIES_LANES & -NCDC_CAPABILITIES_LANES);
+	core[NCDC_LARGEST / 4] = CORRECTED_WIDTH * (NCDC_LARGEST_WIDTH & -NCDC_LARGEST_WIDTH) |
+				 CORRECTED_HEIGHT * (NCDC_LARGEST_HEIGHT & -NCDC_LARGEST_HEIGHT);
+}
+
+int main(int count, char **arguments)
 {
 	static char line[2 * ETHMAC_SLOT_BYTES + 8];
 
@@ -216,6 +236,9 @@ int main(void)
 	for (unsigned c = 0; c < 3; ++c)
 		*system_register(NCDC_CAPTURE_GAINS) |= AUTO_RATIO_UNITY << AUTO_RATIO_BITS * c;
 	balanced[0] = balanced[1] = balanced[2] = *system_register(NCDC_CAPTURE_GAINS);
+	identify();
+	if (count == 4)
+		chip_begin(arguments[1], (unsigned)atoi(arguments[2]), (unsigned)atoi(arguments[3]));
 	machine_begin();
 	while (fgets(line, sizeof line, stdin)) {
 		if (line[0] == 'f')

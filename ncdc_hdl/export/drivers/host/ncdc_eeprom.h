@@ -5,7 +5,7 @@
 #ifndef NCDC_EEPROM_H
 #define NCDC_EEPROM_H
 
-#include "ncdc_lenses.h"
+#include "ncdc.h"
 
 #ifdef __cplusplus
 extern "C" {

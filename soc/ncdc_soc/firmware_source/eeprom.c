@@ -1,0 +1,165 @@
+#include "eeprom.h"
+
+#include <string.h>
+
+#include "hw.h"
+#include "lwip/mem.h"
+#include "ncdc_eeprom.h"
+#include "sensor.h"
+#include "watchdog.h"
+
+#define FIRST 0x50		/* address of the first chip */
+#define CHIPS 8
+#define TRIES (12 * CHIPS)	/* of an address: 10 ms, in which a chip ends a write */
+#define MAGIC "NCDE"
+#define LENGTH_AT 8		/* in the image: its length, two bytes */
+#define HEAD 10			/* bytes of the image that are read first */
+#define POINTER_MAX 2		/* bytes of an address in a chip */
+#define SPACE (MEM_SIZE / 8 * 7)	/* of lwIP's heap, which has few users yet */
+#define LAST (NCDC_I2C_COMMAND_NACK | NCDC_I2C_COMMAND_STOP)
+
+enum { NO_CHIP, RESULTS };	/* then the results of the driver */
+
+static const struct ncdc_value VALUES[] = CONFIG_LENS_VALUES;
+
+static const struct ncdc_lens BUILT_IN = {
+	.kind = CONFIG_LENS_KIND,
+	.neurons = LENS_NEURONS,
+	.interpolation = LENS_INTERPOLATION,
+	.width = CORRECTED_WIDTH,
+	.height = CORRECTED_HEIGHT,
+	.values = VALUES,
+	.value_count = sizeof VALUES / sizeof *VALUES,
+	.span_count = 2 * CORRECTED_HEIGHT,
+};
+
+/* What lwIP lends for a while. */
+struct memory {
+	struct ncdc_value values[sizeof VALUES / sizeof *VALUES];
+	uint32_t rows[2 * CORRECTED_HEIGHT];
+	uint8_t image[];
+};
+
+uint32_t eeprom_status = NO_CHIP;
+
+/* Carries out a command of the I2C controller: the byte received, or -1 if that fails. */
+static int i2c(uint32_t command)
+{
+	uint32_t result;
+
+	watchdog_feed();
+	reg_write(NCDC_I2C_COMMAND, command);
+	do
+		result = reg_read(NCDC_I2C_RESULT);
+	while (result & NCDC_I2C_RESULT_BUSY);
+	return result & I2C_FAILED ? -1 : (int)(result & NCDC_I2C_RESULT_DATA);
+}
+
+static bool send(uint32_t byte, uint32_t more)
+{
+	return i2c(byte | NCDC_I2C_COMMAND_WRITE | more) >= 0;
+}
+
+/* Receives bytes in a row; `last` ends the last one. */
+static bool take(uint8_t *to, uint32_t count, uint32_t last)
+{
+	while (count--) {
+		int byte = i2c(NCDC_I2C_COMMAND_READ | (count ? 0 : last));
+
+		if (byte < 0)
+			return false;
+		*to++ = (uint8_t)byte;
+	}
+	return true;
+}
+
+/* Begins to read a chip from its beginning on, whose addresses have so many bytes. */
+static bool begin(uint32_t chip, unsigned pointer)
+{
+	bool answers = send(chip << 1, NCDC_I2C_COMMAND_START);
+
+	while (answers && pointer--)
+		answers = send(0, 0);
+	return answers && send(chip << 1 | 1, NCDC_I2C_COMMAND_START);
+}
+
+static uint32_t core_read(void *context, uint32_t offset)
+{
+	(void)context;
+	return reg_read(NCDC_BASE + offset);
+}
+
+static void core_write(void *context, uint32_t offset, uint32_t value)
+{
+	(void)context;
+	reg_write(NCDC_BASE + offset, value);
+}
+
+/* Loads the lens of a whole image; false: a client has just loaded another one. */
+static bool load(struct memory *memory, uint32_t length)
+{
+	static const struct ncdc device = {.read = core_read, .write = core_write};
+	struct ncdc_eeprom_lens from = {.values = memory->values, .valid_rows = memory->rows};
+	enum ncdc_eeprom_result found = ncdc_eeprom_read(memory->image, length, &BUILT_IN, &from);
+	enum ncdc_result loaded = found ? NCDC_OK : ncdc_load(&device, &from.lens);
+
+	if (loaded == NCDC_ERROR_COMMITTED)
+		return false;
+	if (loaded)
+		found = NCDC_EEPROM_KIND;
+	else if (!found)
+		ncdc_commit(&device);
+	eeprom_status = RESULTS + found;
+	return true;
+}
+
+/* Receives the rest of an image, and loads it; false: not now. */
+static bool go_on(uint8_t *head, uint32_t length)
+{
+	struct memory *memory = mem_malloc((mem_size_t)(sizeof *memory + length));
+	bool done;
+
+	if (!memory) {
+		take(head, 1, LAST);
+		return false;
+	}
+	memcpy(memory->image, head, HEAD);
+	done = take(memory->image + HEAD, length - HEAD, LAST) && load(memory, length);
+	mem_free(memory);
+	return done;
+}
+
+/* Loads the lens of a chip; false: not now. */
+static bool load_from(uint32_t chip)
+{
+	uint8_t head[HEAD + 1];
+	bool image = false;
+
+	/* First a byte of address: to a chip that takes one, the second would be data. */
+	for (unsigned pointer = 1; !image && pointer <= POINTER_MAX; ++pointer) {
+		uint32_t length;
+
+		if (!begin(chip, pointer) || !take(head, HEAD, 0)) {
+			i2c(NCDC_I2C_COMMAND_STOP);
+			return false;
+		}
+		image = !memcmp(head, MAGIC, sizeof MAGIC - 1);
+		length = image ? head[LENGTH_AT] | (uint32_t)head[LENGTH_AT + 1] << 8 : 0;
+		if (length > HEAD && sizeof(struct memory) + length <= SPACE)
+			return go_on(head, length);
+		if (!take(head + HEAD, 1, LAST))
+			return false;
+	}
+	eeprom_status = RESULTS + ncdc_eeprom_read(head, sizeof head, &BUILT_IN, 0);
+	return true;
+}
+
+/* One address at a time: the network does not wait for a chip that is not there. */
+bool eeprom_load(void)
+{
+	static unsigned tried;
+	uint32_t chip = FIRST + tried % CHIPS;
+
+	return (send(chip << 1, NCDC_I2C_COMMAND_START | NCDC_I2C_COMMAND_STOP) && load_from(chip)) ||
+	       ++tried == TRIES;
+}

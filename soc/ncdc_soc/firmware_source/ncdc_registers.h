@@ -1,0 +1,2 @@
+/* What the driver includes: the registers are in config.h. */
+#include "config.h"
