@@ -45,8 +45,8 @@ def add_arguments(parser) -> None:
                        "limits and test patterns are those of a device with that sensor")
     add_field(serve)
     serve.add_argument("--eeprom", metavar="IMAGE",
-                       help="content of the camera's EEPROM, as of ncdc lot export: its lens replaces "
-                       "the first one, unless the image is rejected")
+                       help="content of the camera's EEPROM, as of ncdc lot export: its lens "
+                       "replaces the first one, unless the image is rejected")
     serve.add_argument("--fps", type=float, default=30.0, metavar="F",
                        help="frames per second after reset (default: 30)")
     serve.add_argument("--packet-loss", type=float, default=0.0, metavar="P",

@@ -15,7 +15,7 @@ from ncdc_model.images import check_suffix, write_image
 from ncdc_sim.link.namespaces import CLIENT, TAP, TapNetwork
 from ncdc_spec.descriptor import Descriptor
 from ncdc_spec.eeprom import start
-from ncdc_spec.errors import InputError
+from ncdc_spec.errors import InputError, reading
 from ncdc_spec.files import read_bytes
 
 __all__ = ["EXAMPLE", "add_arguments", "run"]
@@ -92,6 +92,14 @@ def _build(args, descriptor):
     return 0
 
 
+def _eeprom(path):
+    from ncdc_sim.system.soc import check_eeprom
+    content = read_bytes(path)
+    with reading(path):
+        check_eeprom(content)
+    return content
+
+
 def _run(args, descriptor):
     raw, note = raw_frame(args.image, descriptor.geometry, args.raw, args.bits)
     if note:
@@ -99,14 +107,14 @@ def _run(args, descriptor):
     check_raw(raw, descriptor.geometry)
     if args.output:
         check_suffix(args.output)
-    eeprom = read_bytes(args.eeprom) if args.eeprom else None
+    eeprom = _eeprom(args.eeprom) if args.eeprom else None
     model = _model(args, descriptor, raw)
     if args.output:
         lens = descriptor if eeprom is None else start(eeprom, descriptor)[0]
         write_image(args.output, model.golden(lens=lens).picture)
     address = model.identity.ip
     with TapNetwork() as network, tempfile.TemporaryDirectory(prefix="ncdc-") as folder:
-        model.fill(folder)
+        model.fill(folder, eeprom)
         print(f"the device is {address}, this side of its network {CLIENT}; programs join it by\n"
               f"    nsenter --preserve-credentials -U -n -t {network.holder} PROGRAM\n"
               f"the speed is printed once per second; Ctrl-C ends the run", file=sys.stderr)
@@ -114,9 +122,7 @@ def _run(args, descriptor):
         for number in (signal.SIGTERM, signal.SIGHUP):
             signal.signal(number, lambda *_: sys.exit(0))
         loss = f"+loss={round(_LOSS_STEPS * args.packet_loss)}"
-        process = network.start(
-            model.command(f"+tap={TAP}", loss, "+rate", *model.fill_eeprom(folder, eeprom)),
-            cwd=folder)
+        process = network.start(model.command(f"+tap={TAP}", loss, "+rate"), cwd=folder)
         try:
             return process.wait()
         except KeyboardInterrupt:

@@ -32,6 +32,16 @@ def test_bad_input(tmp_path, capsys, options, sentence):
     assert end.value.code == 2 and sentence in said and said.count("\n") == 1
 
 
+def test_an_eeprom_that_is_too_large(tmp_path, capsys):
+    barrel_descriptor().save(tmp_path / "net.toml")
+    write_image(str(tmp_path / "raw.png"), noise_picture(48, 40))
+    (tmp_path / "a.bin").write_bytes(bytes(8193))
+    assert main(["soc", "run", "--sim", str(tmp_path / "net.toml"), "--photo",
+                 str(tmp_path / "raw.png"), "--eeprom", str(tmp_path / "a.bin")]) == 2
+    said = capsys.readouterr().err
+    assert said.endswith("a.bin: the image has 8193 bytes, the EEPROM of the simulation has 8192\n")
+
+
 _RUN = """
 import sys
 from argparse import Namespace
@@ -41,14 +51,14 @@ from ncdc_spec.descriptor import Descriptor
 from ncdc_soc.firmware import Identity
 class Model:
     identity = Identity()
-    def fill(self, folder):
+    def fill(self, folder, eeprom):
         pass
     def command(self, *plusargs):
         return ["sh", "-c", "echo $$ > " + sys.argv[2] + "; exec sleep 100"]
 soc._model = lambda *_: Model()
 descriptor = Descriptor.load(sys.argv[1] + "/net.toml")
 args = Namespace(image=sys.argv[1] + "/raw.png", raw=None, bits=None, packet_loss=0,
-                 output=None)
+                 output=None, eeprom=None)
 sys.exit(soc._run(args, descriptor))
 """
 

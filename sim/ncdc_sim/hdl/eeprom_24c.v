@@ -52,8 +52,7 @@ module eeprom_24c #(
             if (present) begin
                 k = $fread(content, file);
                 $fclose(file);
-            end else
-                $display("EEPROM-ERROR no file %0s", name);
+            end
         end
         {sda_low, busy, state, scl_was, sda_was, bits, pointer, given} = 0;
     end

@@ -22,7 +22,7 @@ from ncdc_spec.sensors.catalogue import controlled_sensor
 from ncdc_spec.sensors.framing import camera_of, grid_row, setup_around
 from ncdc_spec.sensors.level import levelled
 
-__all__ = ["ADDRESS", "HARDWARE", "SocModel", "SocRun"]
+__all__ = ["ADDRESS", "HARDWARE", "SocModel", "SocRun", "check_eeprom"]
 
 ADDRESS = Identity().ip
 HARDWARE = Hardware(bus="axi", format="BGR8")
@@ -32,6 +32,20 @@ _QUEUE_BYTES = 18 * 1024        # of the packetiser: two packets of an MTU of 90
 _STARTED = "address: "          # what the firmware says when it listens
 _TIMEOUT_S = 120
 _EEPROM_BYTES = 8192            # as soc_bench.v has it
+_EEPROM_FILE = "eeprom.bin"
+
+
+def check_eeprom(content):
+    """Reject a ``content`` that the EEPROM of the simulation is too small for.
+
+    Raises
+    ------
+    InputError
+        If it is larger.
+    """
+    if len(content) > _EEPROM_BYTES:
+        raise InputError(f"the image has {len(content)} bytes, the EEPROM of the simulation has "
+                         f"{_EEPROM_BYTES}")
 
 
 class SocModel:
@@ -78,32 +92,20 @@ class SocModel:
                        self.identity, sets_up=_TIME_SCALE), soc, folder)
         self.program = _build(core_verilog(core), soc, self.setup)
 
-    def fill(self, folder):
-        """Write what the program reads when it starts."""
+    def fill(self, folder, eeprom=None):
+        """Write what the program reads when it starts, with the content of the EEPROM on the
+        sensor's bus; None: there is no EEPROM."""
         folder = Path(folder)
+        if eeprom is not None:
+            (folder / _EEPROM_FILE).write_bytes(eeprom)
         (folder / "ncdc_soc_rom.init").write_text("".join(f"{word:08x}\n" for word in self._rom))
         (folder / "ncdc_soc_sram.init").write_text("0\n")
         (folder / "sensor.bin").write_bytes(self._light.data())
 
-    def fill_eeprom(self, folder, content):
-        """Write the content of the EEPROM on the sensor's bus, or None; the program's arguments.
-
-        Raises
-        ------
-        InputError
-            If it is larger than the EEPROM.
-        """
-        if content is None:
-            return ()
-        if len(content) > _EEPROM_BYTES:
-            raise InputError(f"the image has {len(content)} bytes, the EEPROM of the simulation "
-                             f"has {_EEPROM_BYTES}")
-        (Path(folder) / "eeprom.bin").write_bytes(content)
-        return ("+eeprom_file=eeprom.bin",)
-
     def command(self, *plusargs):
         """The program with its arguments, to be run in a folder that was filled."""
-        return [*command_of(self.program), *self._light.plusargs("sensor.bin"), *plusargs]
+        return [*command_of(self.program), *self._light.plusargs("sensor.bin"),
+                f"+eeprom_file={_EEPROM_FILE}", *plusargs]
 
     def golden(self, exposure_us=None, gains=NO_RAW_GAINS, lens=None):
         """The golden model's :class:`Corrected` of the frame that the sensor sends with that
@@ -174,12 +176,11 @@ class SocRun:
         try:
             self._folder = tempfile.TemporaryDirectory(prefix="ncdc-")
             folder = Path(self._folder.name)
-            self._model.fill(folder)
+            self._model.fill(folder, self._eeprom)
             self._screen, self._said = folder / "screen.txt", folder / "said.txt"
             with open(self._screen, "w") as screen, open(self._said, "w") as said:
                 self._process = self.network.start(
-                    self._model.command(f"+tap={TAP}", f"+loss={self._loss}", "+answers",
-                                        *self._model.fill_eeprom(folder, self._eeprom)),
+                    self._model.command(f"+tap={TAP}", f"+loss={self._loss}", "+answers"),
                     cwd=folder, stdout=screen, stderr=said)
             self._wait()
         except BaseException:
