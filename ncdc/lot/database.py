@@ -2,6 +2,7 @@
 
 import json
 import zlib
+from contextlib import contextmanager
 from datetime import UTC, datetime
 from importlib.metadata import version
 from itertools import islice
@@ -18,6 +19,8 @@ __all__ = ["DIED", "Database", "INTERRUPTED", "JUDGED", "reason_of"]
 
 JUDGED, DIED, INTERRUPTED = "judged", "died", "interrupted"     # ends of a try
 
+# Statement with which a transaction waits until no other one of this kind runs, by database.
+_ALONE = {"sqlite": "BEGIN IMMEDIATE", "postgresql": "SELECT pg_advisory_xact_lock(1852007523)"}
 _BATCH = 500            # rows that are in memory at a time
 _NET, _PICTURE = "net.toml", "picture.jpg"
 
@@ -45,11 +48,10 @@ class Database:
             self.address = address = str(self.engine.url)       # without the password
             if self.engine.dialect.name == "sqlite":
                 event.listen(self.engine, "connect", _patient)
-            if not inspect(self.engine).has_table(FACTS.name):
-                if not create:
-                    raise InputError(f"{address} is no database of a lot: ncdc lot run makes one")
-                METADATA.create_all(self.engine)
-                self._add_fact("schema", str(SCHEMA))
+            if create:
+                self._create()
+            elif not inspect(self.engine).has_table(FACTS.name):
+                raise InputError(f"{address} is no database of a lot: ncdc lot run makes one")
             schema = self.fact("schema")
         except (SQLAlchemyError, ImportError) as error:
             raise InputError(f"cannot open the database {address}: {reason_of(error)}") from error
@@ -61,14 +63,30 @@ class Database:
         """End the connections."""
         self.engine.dispose()
 
+    @contextmanager
+    def _alone(self):
+        """Connection of a transaction that waits until no other one of this kind runs.
+
+        What it reads does not change before it writes. Databases other than SQLite and PostgreSQL
+        do not wait: of two stations at once, one may end with the error of its database.
+        """
+        with self.engine.begin() as connection:
+            if wait := _ALONE.get(self.engine.dialect.name):
+                connection.exec_driver_sql(wait)
+            yield connection
+
+    def _create(self):
+        """Make the tables, if there are none."""
+        if not inspect(self.engine).has_table(FACTS.name):
+            with self._alone() as connection:
+                if not inspect(connection).has_table(FACTS.name):   # another station was faster
+                    METADATA.create_all(connection)
+                    connection.execute(insert(FACTS).values(name="schema", value=str(SCHEMA)))
+
     def fact(self, name):
         """Text of a fact about the lot; None without it."""
         with self.engine.connect() as connection:
-            return connection.scalar(select(FACTS.c.value).where(FACTS.c.name == name))
-
-    def _add_fact(self, name, value):
-        with self.engine.begin() as connection:
-            connection.execute(insert(FACTS).values(name=name, value=value))
+            return connection.scalar(_fact(name))
 
     def begin(self, options, units, station):
         """Add ``units`` that are not there yet, and end the open tries of ``station``.
@@ -88,33 +106,17 @@ class Database:
             If the lot was begun with other options; the message names the first one.
         """
         text = json.dumps(options, sort_keys=True)
-        begun = self.fact("request")
-        if begun is None:
-            self._add_fact("request", text)
-        elif begun != text:
-            before = json.loads(begun)
-            name = next(key for key in (*options, *before) if before.get(key) != options.get(key))
-            raise InputError(f"the lot was begun with {name} {before.get(name)}, this run has "
-                             f"{options.get(name)}: another -o, or the same options")
-        with self.engine.begin() as connection:
-            number = connection.scalar(select(func.coalesce(func.max(UNITS.c.number), 0)))
-            units = iter(units)
-            while some := list(islice(units, _BATCH)):
-                serials = [unit.serial for unit in some]
-                there = dict(connection.execute(select(UNITS.c.serial, UNITS.c.photos).where(
-                    UNITS.c.serial.in_(serials))).all())
-                for unit in some:
-                    if there.get(unit.serial, photos := json.dumps(unit.photos)) != photos:
-                        connection.execute(update(UNITS).values(photos=photos).where(
-                            UNITS.c.serial == unit.serial, UNITS.c.verdict.is_(None),
-                            UNITS.c.station == (unit.station or station)))
-                new = [unit for unit in some if unit.serial not in there]
-                rows = [{"serial": unit.serial, "number": number + k,
-                         "station": unit.station or station, "photos": json.dumps(unit.photos)}
-                        for k, unit in enumerate(new, 1)]
-                number += len(rows)
-                if rows:
-                    connection.execute(insert(UNITS), rows)
+        with self._alone() as connection:
+            begun = connection.scalar(_fact("request"))
+            if begun is None:
+                connection.execute(insert(FACTS).values(name="request", value=text))
+            elif begun != text:
+                before = json.loads(begun)
+                name = next(key for key in (*options, *before)
+                            if before.get(key) != options.get(key))
+                raise InputError(f"the lot was begun with {name} {before.get(name)}, this run has "
+                                 f"{options.get(name)}: another -o, or the same options")
+            _add(connection, units, station)
             connection.execute(update(TRIES).values(end=INTERRUPTED).where(
                 TRIES.c.end.is_(None), TRIES.c.station == station))
 
@@ -144,7 +146,7 @@ class Database:
     def start(self, serial, station):
         """Number of a new try of a unit, the first is 1; None if another station was faster."""
         try:
-            with self.engine.begin() as connection:
+            with self._alone() as connection:
                 taken = connection.scalar(select(func.count()).where(
                     TRIES.c.serial == serial, TRIES.c.end.is_(None) | (TRIES.c.end == JUDGED)))
                 number = 1 + connection.scalar(select(func.count()).where(
@@ -262,6 +264,30 @@ class Database:
                         found[name][k] = value
         return found | {name: (found[name].astype(int), list(known))
                         for name, known in texts.items()}
+
+
+def _fact(name):
+    return select(FACTS.c.value).where(FACTS.c.name == name)
+
+
+def _add(connection, units, station):
+    """Add units that are not there, and renew the photos of those of ``station`` that wait."""
+    number = connection.scalar(select(func.coalesce(func.max(UNITS.c.number), 0)))
+    units = iter(units)
+    while some := list(islice(units, _BATCH)):
+        there = dict(connection.execute(select(UNITS.c.serial, UNITS.c.photos).where(
+            UNITS.c.serial.in_([unit.serial for unit in some]))).all())
+        for unit in some:
+            if there.get(unit.serial, photos := json.dumps(unit.photos)) != photos:
+                connection.execute(update(UNITS).values(photos=photos).where(
+                    UNITS.c.serial == unit.serial, UNITS.c.verdict.is_(None),
+                    UNITS.c.station == (unit.station or station)))
+        new = [unit for unit in some if unit.serial not in there]
+        rows = [{"serial": unit.serial, "number": number + k, "station": unit.station or station,
+                 "photos": json.dumps(unit.photos)} for k, unit in enumerate(new, 1)]
+        number += len(rows)
+        if rows:
+            connection.execute(insert(UNITS), rows)
 
 
 def unpacked(row):

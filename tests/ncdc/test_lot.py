@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from cameras import barrel_descriptor
-from lots import GOOD, Scripted, begun, driven, outcome
+from lots import GOOD, Scripted, begun, begun_at_once, driven, outcome
 from ncdc.cli import main
 from ncdc.cli.lot_run import database_at
 from ncdc.lot.database import INTERRUPTED, Database
@@ -184,6 +184,13 @@ def test_two_stations_share_a_lot(tmp_path):
     assert not lost and [done.serial for done in mine] == ["U1", "U2"]
     assert seen == ["other", "U3", "U4", "U5", "U6", "U7", "U8", "U1", "U2"]
     assert one.counts()["pass"] == 8 and one.unit("U5")["tries"] == 1
+
+
+def test_stations_may_begin_a_new_lot_at_once(tmp_path):
+    databases = begun_at_once(tmp_path, 6)
+    assert [database.counts()["units"] for database in databases] == [6] * 6
+    tries = [database.start("U1", f"station {k}") for k, database in enumerate(databases)]
+    assert tries == [1, *[None] * 5]
 
 
 def test_a_verdict_never_changes(tmp_path):

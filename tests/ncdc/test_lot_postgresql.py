@@ -10,9 +10,9 @@ from pathlib import Path
 
 import pytest
 
-from lots import begun, driven, outcome
+from lots import begun, begun_at_once, driven, outcome
 
-pytestmark = pytest.mark.regress
+pytestmark = pytest.mark.longer
 PROGRAMS = sorted(Path("/usr/lib/postgresql").glob("*/bin"))
 UNITS = 60
 
@@ -35,15 +35,18 @@ def server():
     def run(program, *arguments):
         subprocess.run([*user, PROGRAMS[-1] / program, "-D", folder / "data", *arguments],
                        check=True, stdout=subprocess.DEVNULL, cwd=folder)
-    run("initdb", "-A", "trust", "-U", "postgres")
+    run("initdb", "--no-sync", "-A", "trust", "-U", "postgres")
     run("pg_ctl", "-w", "-l", folder / "log", "start", "-o",
-        f"-p {port} -k {folder} -c listen_addresses=127.0.0.1")
+        f"-p {port} -k {folder} -c listen_addresses=127.0.0.1 -c fsync=off")
     yield f"postgresql+psycopg://postgres@127.0.0.1:{port}/postgres"
-    run("pg_ctl", "-m", "fast", "stop")
+    run("pg_ctl", "-m", "immediate", "stop")
     shutil.rmtree(folder)
 
 
 def test_two_stations_at_once_judge_every_unit_once(server):
+    for database in begun_at_once(server, 6):
+        assert database.counts()["units"] == 6
+        database.close()
     begun(server, UNITS).close()
 
     def station(name):

@@ -1,12 +1,15 @@
 """Lots whose work is scripted: what the driver and the database make of it."""
 
+from concurrent.futures import ThreadPoolExecutor
+from threading import Barrier
+
 from ncdc.lot.database import Database
 from ncdc.lot.figures import FIGURES, LIMITS
 from ncdc.lot.run import SchedulerLost, run_lot
 from ncdc.lot.units import Unit
 from ncdc.lot.work import Outcome, Request
 
-__all__ = ["GOOD", "Scripted", "begun", "driven", "outcome"]
+__all__ = ["GOOD", "Scripted", "begun", "begun_at_once", "driven", "outcome"]
 
 GOOD = {"points": 1100, "photos_used": 3, "coverage_percent": 99.0, "neurons": 6,
         "max_error_px": 0.2, "mean_error_px": 0.02, "straightness_px": 0.02, "focal_px": 171.0,
@@ -59,6 +62,17 @@ def begun(where, count=6, station="bench"):
     database.begin(_OPTIONS, [Unit(f"U{k}", (f"/photos/{k}.png",)) for k in range(1, count + 1)],
                    station)
     return database
+
+
+def begun_at_once(where, stations):
+    """The :class:`Database` of each of as many stations, all of which begin the lot at one moment."""
+    barrier = Barrier(stations)
+
+    def station(number):
+        barrier.wait()
+        return begun(where, station=f"station {number}")
+    with ThreadPoolExecutor(stations) as pool:
+        return list(pool.map(station, range(stations)))
 
 
 def driven(database, answer, slots=2, station="bench"):
