@@ -2,7 +2,7 @@
 
 from sqlalchemy.exc import SQLAlchemyError
 
-from ncdc.cli import lot_compare, lot_export, lot_report, lot_run, lot_show
+from ncdc.cli import lot_compare, lot_export, lot_report, lot_run, lot_show, lot_watch
 from ncdc.cli.lot_run import database_file
 from ncdc.lot.database import reason_of
 from ncdc_spec.errors import InputError
@@ -14,6 +14,7 @@ EXAMPLE = "ncdc lot run units --target dots --neurons auto -o lot"
 
 _ACTIONS = {
     "run": (lot_run, "calibrate, train and judge the units that have no verdict yet"),
+    "watch": (lot_watch, "judge units as their photos arrive, with a page in the browser"),
     "report": (lot_report, "write one page of HTML: yield, figures, trend, outliers, all units"),
     "show": (lot_show, "print what is known of one unit, and write its descriptor and picture"),
     "export": (lot_export, "write the image of each unit's EEPROM"),
@@ -40,7 +41,7 @@ def run(args) -> int | None:
         If the database fails, or a file to write is the database.
     """
     lots = args.lots if args.action == "compare" else [
-        args.output if args.action == "run" else args.lot]
+        args.output if args.action in ("run", "watch") else args.lot]
     outputs = [args.output, args.parquet] if args.action == "report" else []
     check_outputs(list(filter(None, outputs)), [database_file(lot) for lot in lots],
                   [args.json] if args.json not in (None, "-") else [])

@@ -120,11 +120,25 @@ class Database:
             connection.execute(update(TRIES).values(end=INTERRUPTED).where(
                 TRIES.c.end.is_(None), TRIES.c.station == station))
 
-    def waiting(self, suspects):
+    def add(self, units, station):
+        """Add ``units`` that are not there yet; otherwise as :meth:`begin`."""
+        with self._alone() as connection:
+            _add(connection, units, station)
+
+    def known(self, serials):
+        """Those of ``serials`` that are units of the lot, as a set."""
+        found, serials = set(), iter(serials)
+        with self.engine.connect() as connection:
+            while some := list(islice(serials, _BATCH)):
+                found |= set(connection.scalars(select(UNITS.c.serial).where(
+                    UNITS.c.serial.in_(some))))
+        return found
+
+    def waiting(self, suspects, station=None):
         """Yield (serial, photos, number of deaths) of the units without a verdict, in their order.
 
-        ``suspects``: those whose worker died, or the others. A unit that another station works on
-        is left to it.
+        ``suspects``: those whose worker died, or the others. ``station``: of that station alone. A
+        unit that another station works on is left to it.
         """
         deaths = (select(func.count()).where(TRIES.c.serial == UNITS.c.serial,
                                              TRIES.c.end == DIED).scalar_subquery())
@@ -136,7 +150,8 @@ class Database:
                 rows = connection.execute(
                     select(UNITS.c.serial, UNITS.c.photos, UNITS.c.number, deaths).where(
                         UNITS.c.verdict.is_(None), UNITS.c.number > last, ~running,
-                        deaths > 0 if suspects else deaths == 0)
+                        deaths > 0 if suspects else deaths == 0,
+                        station is None or UNITS.c.station == station)
                     .order_by(UNITS.c.number).limit(_BATCH)).all()
             if not rows:
                 return

@@ -1,14 +1,16 @@
 """Runs a lot: hands units to workers, judges what comes back, goes on where it was."""
 
+import time
 from dataclasses import dataclass
 
 from ncdc.lot.database import DIED, INTERRUPTED
 from ncdc.lot.figures import judge
 from ncdc.lot.work import Outcome
 
-__all__ = ["Done", "SchedulerLost", "run_lot"]
+__all__ = ["Done", "SchedulerLost", "run_lot", "watch_lot"]
 
 _DEATHS = 3             # workers that a unit may end; from the second on it runs alone
+_LOOK = 0.5             # seconds between two looks at what has arrived
 
 
 class SchedulerLost(Exception):
@@ -44,38 +46,96 @@ def run_lot(database, workers, request, limits, station):
     SchedulerLost
         The units in progress wait again.
     """
-    def record(tag, outcome):
-        serial, number = tag
-        verdict = judge(outcome.figures, outcome.warnings, outcome.error, limits)
-        if database.save(serial, number, outcome, verdict, request.seed):
-            yield Done(serial, verdict[0], verdict[2], outcome.seconds)
-
-    def work(units, slots):
-        """Hand out ``units`` as workers become free, as many at a time as ``slots()``."""
-        while True:
-            while len(workers) < slots() and (unit := next(units, None)):
-                serial, photos, deaths = unit
-                tag = serial, database.start(serial, station)
-                if tag[1] is None:
-                    continue            # another station has it
-                if deaths >= _DEATHS:
-                    yield from record(tag, Outcome(error=(
-                        f"the work on this unit ended its worker {deaths} times, at last alone: it "
-                        f"crashed, or took longer than --timeout")))
-                else:
-                    workers.submit(tag, photos, request)
-            if not len(workers):
-                return
-            for tag, outcome in workers.finished():
-                if outcome is None:
-                    database.end(*tag, DIED)
-                else:
-                    yield from record(tag, outcome)
-
-    try:
-        yield from work(database.waiting(suspects=False), lambda: workers.slots)
+    with _Work(database, workers, request, limits, station) as work:
+        units = database.waiting(suspects=False)
+        yield from work.start(units)
+        while len(workers):
+            yield from work.finish()
+            yield from work.start(units)
         while suspect := next(database.waiting(suspects=True), None):
-            yield from work(iter([suspect]), lambda: 1)
-    finally:
-        for tag in workers.running:
-            database.end(*tag, INTERRUPTED)
+            yield from work.start(iter([suspect]))
+            while len(workers):
+                yield from work.finish()
+
+
+def watch_lot(database, workers, request, limits, station, arrivals):
+    """Yield :class:`Done` of every unit of a station, as its photos arrive; without an end.
+
+    Units of other stations are left to them. A unit whose worker dies waits until the station has
+    no other unit to work on, and then runs alone, as in :func:`run_lot`.
+
+    Parameters
+    ----------
+    arrivals : callable
+        Called every half second with the function that says which serial numbers are known; gives
+        the new units.
+    database, workers, request, limits, station
+        Those of :func:`run_lot`.
+
+    Raises
+    ------
+    SchedulerLost
+        The units in progress wait again.
+    """
+    with _Work(database, workers, request, limits, station) as work:
+        alone = False
+        while True:
+            if units := arrivals(database.known):
+                database.add(units, station)
+            if not alone or not len(workers):
+                alone = False
+                yield from work.start(database.waiting(suspects=False, station=station))
+                if not len(workers):
+                    suspect = next(database.waiting(suspects=True, station=station), None)
+                    alone = suspect is not None
+                    yield from work.start(iter([suspect] if alone else []))
+            yield from work.finish(_LOOK)
+
+
+class _Work:
+    """Units that are handed to workers, and judged when they come back.
+
+    At the end of a block the units that are still being worked on wait again.
+    """
+
+    def __init__(self, database, workers, request, limits, station):
+        self.database, self.workers, self.station = database, workers, station
+        self.request, self.limits = request, limits
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        for tag in self.workers.running:
+            self.database.end(*tag, INTERRUPTED)
+
+    def start(self, units):
+        """Hand out ``units`` while workers are free; yield :class:`Done` of those without hope."""
+        while len(self.workers) < self.workers.slots and (unit := next(units, None)):
+            serial, photos, deaths = unit
+            tag = serial, self.database.start(serial, self.station)
+            if tag[1] is None:
+                continue            # another station has it
+            if deaths >= _DEATHS:
+                yield from self._record(tag, Outcome(error=(
+                    f"the work on this unit ended its worker {deaths} times, at last alone: it "
+                    f"crashed, or took longer than --timeout")))
+            else:
+                self.workers.submit(tag, photos, self.request)
+
+    def finish(self, seconds=None):
+        """Wait for units, at most ``seconds``; yield :class:`Done` of those that are judged."""
+        if not len(self.workers):
+            time.sleep(seconds)
+            return
+        for tag, outcome in self.workers.finished(seconds):
+            if outcome is None:
+                self.database.end(*tag, DIED)
+            else:
+                yield from self._record(tag, outcome)
+
+    def _record(self, tag, outcome):
+        serial, number = tag
+        verdict = judge(outcome.figures, outcome.warnings, outcome.error, self.limits)
+        if self.database.save(serial, number, outcome, verdict, self.request.seed):
+            yield Done(serial, verdict[0], verdict[2], outcome.seconds)

@@ -98,8 +98,10 @@ class Workers:
                                     key=f"unit-{uuid.uuid4().hex}", pure=False)
         self._running[future] = tag
 
-    def finished(self):
+    def finished(self, seconds=None):
         """Wait for a unit; a list of (tag, :class:`Outcome` or None if its worker died).
+
+        ``seconds``: the list is empty if none is finished by then.
 
         Raises
         ------
@@ -108,7 +110,7 @@ class Workers:
         """
         while True:
             try:
-                done = wait(list(self._running), timeout=_CHECK,
+                done = wait(list(self._running), timeout=_CHECK if seconds is None else seconds,
                             return_when="FIRST_COMPLETED").done
             except TimeoutError:
                 done = ()
@@ -116,7 +118,7 @@ class Workers:
                 raise SchedulerLost from error
             if self.client.status != "running":
                 raise SchedulerLost
-            if done:
+            if done or seconds is not None:
                 return [(self._running.pop(future), _result(future)) for future in done]
 
 

@@ -30,7 +30,7 @@ MODULES = {
     "pythondata-misc-tapcfg": "pythondata_misc_tapcfg",
     "pythondata-cpu-vexriscv": "pythondata_cpu_vexriscv", "av": "av",
     "distributed": "distributed", "sqlalchemy": "sqlalchemy", "fsspec": "fsspec",
-    "pyarrow": "pyarrow",
+    "pyarrow": "pyarrow", "tornado": "tornado",
 }
 
 HIDING = """

@@ -4,7 +4,7 @@ import json
 import re
 import shutil
 import zipfile
-from contextlib import contextmanager
+from contextlib import closing, contextmanager
 from dataclasses import replace
 from pathlib import Path
 
@@ -16,11 +16,13 @@ from cameras import barrel_descriptor
 from lots import GOOD, Scripted, begun, begun_at_once, driven, outcome
 from ncdc.cli import main
 from ncdc.cli.lot_run import database_at
+from ncdc.lot.arrivals import Arrivals
 from ncdc.lot.database import INTERRUPTED, Database
 from ncdc.lot.figures import FIGURES, LIMITS, judge
 from ncdc.lot.run import SchedulerLost
 from ncdc.lot.units import Unit, find_units, local_photos
 from ncdc.lot.work import Request, process
+from ncdc.station.server import StationPage
 from ncdc_bench.lot.units import make_unit, write_photos
 from ncdc_model.calibration.detect import detect_points
 from ncdc_model.images import read_image
@@ -296,21 +298,29 @@ def test_the_same_command_goes_on_where_it_was(photos, monkeypatch, capsys):
 def test_the_commands_of_the_guide_run(tmp_path, monkeypatch, capsys):
     """Every line of ncdc, in order; the work itself is scripted."""
     monkeypatch.chdir(tmp_path)
-    touched(tmp_path, *(f"units/{unit}/{photo}.png" for unit in ("A0017", "A0018")
-                        for photo in ("front", "left", "below")))
+    touched(tmp_path, *(f"{unit}/{photo}.png" for unit in (
+        "units/A0017", "units/A0018", "photos/B1", "photos/B2")
+        for photo in ("front", "left", "below")))
     barrel_descriptor(hidden_neurons=6).save(tmp_path / "net.toml")
     schedulers = []
 
     @contextmanager
     def connect(scheduler, count, limit):
         schedulers.append(scheduler)
-        yield Scripted(lambda *tag: replace(
-            outcome(), descriptor=(tmp_path / "net.toml").read_text()))
+        yield Scripted(answer, 1)
+
+    def answer(serial, number):
+        if serial == "B2":
+            raise KeyboardInterrupt             # the station ends while it works on this unit
+        return replace(outcome(), descriptor=(tmp_path / "net.toml").read_text())
     monkeypatch.setattr("ncdc.lot.workers.connect", connect)
     guide = (ROOT / "docs" / "howto" / "production_lot.md").read_text()
     lines = re.findall(r"^    ncdc (.*)$", guide, re.MULTILINE)
     actions = [line.split()[1] for line in lines]
-    assert actions == ["run", "report", "show", "export", "compare", "run"]
+    assert actions == ["run", "watch", "report", "show", "export", "compare", "run"]
+    monkeypatch.setattr("ncdc.cli.lot_watch.StationPage", lambda host, port: StationPage(host, 0))
+    monkeypatch.setattr("ncdc.cli.lot_watch.Arrivals",
+                        lambda folder, count, settle: Arrivals(folder, count, 0))
     for line in lines:
         if "compare" in line:
             shutil.copytree("lot", "march")
@@ -318,7 +328,10 @@ def test_the_commands_of_the_guide_run(tmp_path, monkeypatch, capsys):
         if "--scheduler" in line:
             shutil.rmtree("lot")
         assert main(line.split()) == 0, capsys.readouterr().err
-    assert schedulers == [None, "tcp://10.0.0.5:8786"]
+    assert schedulers == [None, None, "tcp://10.0.0.5:8786"]
+    with closing(database_at("line")) as line:
+        assert (line.counts()["units"], line.counts()["pass"]) == (2, 1)
+        assert [serial for serial, *_ in line.waiting(suspects=False)] == ["B2"]
     assert unpack((tmp_path / "eeprom/A0017.bin").read_bytes()).serial == "A0017"
     assert (tmp_path / "lot.html").is_file() and (tmp_path / "A0017/net.toml").is_file()
 

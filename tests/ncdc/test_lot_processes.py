@@ -4,6 +4,7 @@ import json
 import os
 import signal
 import threading
+import time
 
 import pytest
 
@@ -19,15 +20,15 @@ REQUEST = Request("dots", neurons=2, bayer="MONO")
 
 
 @pytest.fixture
-def photos(tmp_path):
-    write_photos(tmp_path / "units", make_unit(3))
-    folder = tmp_path / "units" / "U0003"
-    (folder / "1.png").unlink()
-    (folder / "2.png").unlink()
-    return [str(folder / "0.png")]
+def units(tmp_path):
+    """Photos of two units, one each, by serial number."""
+    for number in (3, 4):
+        write_photos(tmp_path, make_unit(number))
+    return {serial: [str(tmp_path / serial / "0.png")] for serial in ("U0003", "U0004")}
 
 
-def test_a_unit_that_hangs_ends_its_worker(photos):
+def test_a_unit_that_hangs_ends_its_worker(units):
+    photos = units["U0003"]
     with connect(count=1, limit=.5) as workers:
         workers.client.run(_hang)
         workers.submit("hangs", photos, REQUEST)
@@ -44,28 +45,45 @@ def _hang():
     ncdc.lot.workers.process = lambda photos, request: threading.Event().wait()
 
 
-def test_separate_processes_give_the_same_network_and_a_lost_scheduler_is_named(photos):
-    outcomes = []
+def test_three_processes_started_apart_give_the_same_networks(units):
+    """A scheduler and two workers; on this machine a worker ends while it works."""
+    here, there, photos = {}, {}, units["U0003"]
     with connect(count=1) as workers:
         workers.submit("here", photos, REQUEST)
         # The worker ends while it works: its unit comes back without an outcome.
         [pid] = workers.client.run(os.getpid).values()
         os.kill(pid, signal.SIGKILL)
         assert workers.finished() == [("here", None)]
-        workers.submit("again", photos, REQUEST)
-        outcomes += [outcome for _, outcome in workers.finished()]
-    with cluster(1) as processes, connect(processes.address) as workers:
-        assert workers.slots == 1
-        workers.submit("there", photos, REQUEST)
-        outcomes += [outcome for _, outcome in workers.finished()]
+        for serial in units:
+            workers.submit(serial, units[serial], REQUEST)
+            here.update(workers.finished())
+    with cluster(2) as processes, connect(processes.address) as workers:
+        workers.client.wait_for_workers(2, timeout=60)
+        assert workers.slots == 2
+        for serial in units:
+            workers.submit(serial, units[serial], REQUEST)
+        assert busy(workers.client)
+        while len(workers):
+            there.update(workers.finished())
         workers.submit("lost", photos, REQUEST)
         processes.scheduler.kill()
         with pytest.raises(SchedulerLost):
             workers.finished()
         assert workers.running == ["lost"]
-    first, second = outcomes
-    assert not first.error and first.descriptor == second.descriptor
-    assert first.photo_hashes == second.photo_hashes and first.figures == second.figures
+    assert here["U0003"].descriptor != here["U0004"].descriptor
+    for serial in units:
+        one, other = here[serial], there[serial]
+        assert not one.error and one.descriptor == other.descriptor
+        assert one.photo_hashes == other.photo_hashes and one.figures == other.figures
+
+
+def busy(client):
+    """Whether two workers have a unit each, within five seconds."""
+    for _ in range(100):
+        if sorted(len(keys) for keys in client.processing().values()) == [1, 1]:
+            return True
+        time.sleep(.05)
+    return False
 
 
 @pytest.mark.regress

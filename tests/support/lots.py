@@ -44,7 +44,7 @@ class Scripted:
         self._running.append(tag)
         self.most = max(self.most, len(self))
 
-    def finished(self):
+    def finished(self, seconds=None):
         tag = self._running[0]
         answer = self.answer(*tag)
         if answer is None:
@@ -65,7 +65,7 @@ def begun(where, count=6, station="bench"):
 
 
 def begun_at_once(where, stations):
-    """The :class:`Database` of each of as many stations, all of which begin the lot at one moment."""
+    """The :class:`Database` of each of the stations, all of which begin the lot at one moment."""
     barrier = Barrier(stations)
 
     def station(number):

@@ -1,22 +1,25 @@
-"""Scheduler, workers and driver of a lot as processes of their own, which can be killed."""
+"""Scheduler, workers, driver and station of a lot as processes, which can be killed."""
 
 import os
+import re
 import signal
 import socket
 import subprocess
 import sys
 import time
 from contextlib import contextmanager, suppress
+from urllib.request import urlopen
 
 from ncdc.cli.lot_run import database_at
 from ncdc_bench.lot.units import LIMITS
 from ncdc_spec.errors import InputError
 
-__all__ = ["KILLS", "Cluster", "cluster", "lot_command", "run_with_kills"]
+__all__ = ["KILLS", "Cluster", "Station", "cluster", "lot_command", "run_with_kills", "station"]
 
 KILLS = "worker", "driver", "scheduler"
 _POLL = 0.2             # seconds
 _STOP = 10.0            # seconds until a process that was asked to end is killed
+_TIMEOUT = 120.0        # seconds until a station must have judged a unit
 
 
 class Cluster:
@@ -65,6 +68,64 @@ def cluster(count):
         yield started
     finally:
         started.close()
+
+
+class Station:
+    """``ncdc lot watch`` on ``folder`` as a process, in a session of its own as in a terminal.
+
+    Parameters
+    ----------
+    folder, lot : path
+    more : str
+        Options.
+
+    Attributes
+    ----------
+    process : subprocess.Popen
+    url : str
+        Address of its page.
+    """
+
+    def __init__(self, folder, lot, *more):
+        self.process = subprocess.Popen(
+            [sys.executable, "-m", "ncdc", "lot", "watch", str(folder), "-o", str(lot), "--target",
+             "dots", "--bayer", "MONO", "--workers", "1", "--port", "0", *map(str, more)],
+            stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True)
+        self.url = self.process.stdout.readline().strip()
+
+    def wait_for(self, *signs):
+        """Wait until the page shows one of ``signs``, such as ("PASS", "U0001").
+
+        Raises
+        ------
+        InputError
+            If it does not in time.
+        """
+        end, shown = time.monotonic() + _TIMEOUT, None
+        while time.monotonic() < end:
+            with urlopen(self.url + "state", timeout=_TIMEOUT) as answer:
+                shown = re.search(r"<h1>(.*)</h1>\s*<h2>(.*)</h2>", answer.read().decode()).groups()
+            if shown in signs:
+                return shown
+            time.sleep(_POLL)
+        raise InputError(f"the station shows {shown}, not one of {signs}")
+
+    def interrupt(self):
+        """End it as Ctrl-C does; (exit status, stdout, stderr)."""
+        os.killpg(self.process.pid, signal.SIGINT)
+        out, errors = self.process.communicate(timeout=_TIMEOUT)
+        return self.process.returncode, out, errors
+
+
+@contextmanager
+def station(folder, lot, *more):
+    """Yield a :class:`Station` that is killed with the block."""
+    started = Station(folder, lot, *more)
+    try:
+        yield started
+    finally:
+        started.process.kill()
+        started.process.communicate()
 
 
 def _dask(*arguments):
