@@ -3,6 +3,7 @@
 import signal
 import sys
 from contextlib import closing
+from pathlib import Path
 
 from ncdc.cli.common import add_json, write_report
 from ncdc.cli.lot_options import add_lot_options, checked_options
@@ -49,8 +50,8 @@ def run(args) -> int:
         with closing(database_at(args.output, create=True)) as database:
             database.begin({**vars(request), **limits}, [], args.station)
             signal.signal(signal.SIGTERM, signal.default_int_handler)
-            page.start(database.address if "://" in args.output else args.output, database,
-                       args.station, arrivals)
+            title = database.address if "://" in args.output else Path(args.output).resolve().name
+            page.start(f"lot {title}", database, args.station, arrivals)
             print(page.url, flush=True)
             status = _watch(args, database, request, limits, arrivals)
             report = database.counts()

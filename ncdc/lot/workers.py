@@ -2,6 +2,7 @@
 
 import logging
 import os
+import signal
 import threading
 import uuid
 from concurrent.futures import CancelledError
@@ -14,12 +15,13 @@ from ncdc.lot.run import SchedulerLost
 from ncdc.lot.work import Outcome, process
 from ncdc_spec.errors import InputError
 
-__all__ = ["Workers", "connect"]
+__all__ = ["Workers", "connect", "dask_setup"]
 
 _CHECK = 2.0            # seconds between two looks at whether the scheduler is there
 _TIMEOUT = 30.0         # seconds until a scheduler must answer and have a worker
 # A unit that ends its worker comes back at once: the lot counts its tries, not the scheduler.
-_LOCAL = {"distributed.scheduler.allowed-failures": 0,
+_LOCAL = {"distributed.worker.preload": ["ncdc.lot.workers"],
+          "distributed.scheduler.allowed-failures": 0,
           "distributed.scheduler.worker-saturation": 1.0}
 
 
@@ -120,6 +122,11 @@ class Workers:
                 raise SchedulerLost
             if done or seconds is not None:
                 return [(self._running.pop(future), _result(future)) for future in done]
+
+
+def dask_setup(_worker):
+    """Leave Ctrl-C to the command; Dask calls this in each worker process of this machine."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
 
 
 def _limited(photos, request, seconds):

@@ -1,6 +1,5 @@
 """``ncdc lot watch`` as a process: a real unit, a kill, Ctrl-C."""
 
-import time
 from contextlib import closing
 
 import pytest
@@ -27,11 +26,9 @@ def test_a_station_is_killed_and_goes_on_and_ends_in_order(tmp_path):
     folder, lot = tmp_path / "photos", str(tmp_path / "lot")
     folder.mkdir()
     with station(folder, lot, *OPTIONS) as running:
-        assert running.wait_for(("READY", "no unit yet"))
-        time.sleep(3)                               # its worker starts
-        start, first = time.monotonic(), arrive(folder, 3)
+        running.wait_for(("READY", "no unit yet"))
+        first = arrive(folder, 3)
         running.wait_for(("PASS", first))
-        seconds = time.monotonic() - start
         second = arrive(folder, 4)
         running.wait_for(("WORKING", second))
     third = arrive(folder, 5)
@@ -39,11 +36,7 @@ def test_a_station_is_killed_and_goes_on_and_ends_in_order(tmp_path):
         running.wait_for(("PASS", third))
         status, out, errors = running.interrupt()
     assert (status, out) == (0, "3 units: 3 pass, 0 to look at, 0 fail\n"), errors
-    assert "Traceback" not in errors and f"{first}: pass" not in errors
-    assert f"{second}: pass\n{third}: pass\n" in errors
+    assert errors == f"{second}: pass\n{third}: pass\n"
     with closing(database_at(lot)) as database:
         units = [database.unit(serial) for serial in (first, second, third)]
     assert [unit["tries"] for unit in units] == [1, 2, 1]
-    work = units[0]["seconds"]
-    print(f"{seconds:.1f} s from the photo to the verdict, {work:.1f} s of them work")
-    assert seconds < work + 20

@@ -19,7 +19,7 @@ __all__ = ["KILLS", "Cluster", "Station", "cluster", "lot_command", "run_with_ki
 KILLS = "worker", "driver", "scheduler"
 _POLL = 0.2             # seconds
 _STOP = 10.0            # seconds until a process that was asked to end is killed
-_TIMEOUT = 120.0        # seconds until a station must have judged a unit
+_TIMEOUT = 300.0        # seconds until a station must have judged a unit
 
 
 class Cluster:
@@ -71,7 +71,7 @@ def cluster(count):
 
 
 class Station:
-    """``ncdc lot watch`` on ``folder`` as a process, in a session of its own as in a terminal.
+    """``ncdc lot watch`` on ``folder`` as a process with its workers, as in a terminal of its own.
 
     Parameters
     ----------
@@ -92,6 +92,7 @@ class Station:
              "dots", "--bayer", "MONO", "--workers", "1", "--port", "0", *map(str, more)],
             stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True)
         self.url = self.process.stdout.readline().strip()
+        self.process.stderr.readline()      # its workers are ready
 
     def wait_for(self, *signs):
         """Wait until the page shows one of ``signs``, such as ("PASS", "U0001").
