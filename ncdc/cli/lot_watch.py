@@ -1,7 +1,6 @@
 """``ncdc lot watch``: a station, which judges units as their photos arrive."""
 
 import signal
-import sys
 from contextlib import closing
 from pathlib import Path
 
@@ -52,7 +51,7 @@ def run(args) -> int:
             signal.signal(signal.SIGTERM, signal.default_int_handler)
             title = database.address if "://" in args.output else Path(args.output).resolve().name
             page.start(f"lot {title}", database, args.station, arrivals)
-            print(page.url, flush=True)
+            say(f"{page.url} shows the station; Ctrl-C ends it")
             status = _watch(args, database, request, limits, arrivals)
             report = database.counts()
     if not write_report(report, args.json):
@@ -72,11 +71,10 @@ def _check(args):
 
 def _watch(args, database, request, limits, arrivals):
     """Judge what arrives; 0 after Ctrl-C, 1 if the scheduler was lost."""
-    from ncdc.lot.workers import connect  # Dask takes a second
-
     try:
+        from ncdc.lot.workers import connect  # Dask takes a second
         with connect(args.scheduler, args.workers, args.timeout) as workers:
-            print("ready; Ctrl-C ends it", file=sys.stderr, flush=True)
+            say("ready")
             for done in watch_lot(database, workers, request, limits, args.station, arrivals):
                 say(": ".join([done.serial, done.verdict, *done.reasons[:1]]))
     except KeyboardInterrupt:

@@ -6,7 +6,8 @@ import signal
 import threading
 import uuid
 from concurrent.futures import CancelledError
-from contextlib import contextmanager, suppress
+from contextlib import ExitStack, contextmanager, suppress
+from multiprocessing import resource_tracker
 
 import dask
 from distributed import Client, KilledWorker, LocalCluster, wait
@@ -15,11 +16,12 @@ from ncdc.lot.run import SchedulerLost
 from ncdc.lot.work import Outcome, process
 from ncdc_spec.errors import InputError
 
-__all__ = ["Workers", "connect", "dask_setup"]
+__all__ = ["Workers", "connect"]
 
 _CHECK = 2.0            # seconds between two looks at whether the scheduler is there
 _TIMEOUT = 30.0         # seconds until a scheduler must answer and have a worker
 # A unit that ends its worker comes back at once: the lot counts its tries, not the scheduler.
+# A worker imports what it needs when it starts, not with its first unit.
 _LOCAL = {"distributed.worker.preload": ["ncdc.lot.workers"],
           "distributed.scheduler.allowed-failures": 0,
           "distributed.scheduler.worker-saturation": 1.0}
@@ -46,11 +48,13 @@ def connect(scheduler=None, count=None, limit=3600.0):
         if name.startswith("distributed"):
             logging.getLogger(name).setLevel(logging.CRITICAL)      # the lot says what happened
     if scheduler is None:
-        with (dask.config.set(_LOCAL),
-              LocalCluster(n_workers=count, threads_per_worker=1, dashboard_address=None,
-                           silence_logs=logging.CRITICAL) as local,
-              Client(local) as client):
-            yield Workers(client, limit)
+        with ExitStack() as stack:
+            stack.enter_context(dask.config.set(_LOCAL))
+            with _uninterrupted():
+                local = stack.enter_context(LocalCluster(
+                    n_workers=count, threads_per_worker=1, dashboard_address=None,
+                    silence_logs=logging.CRITICAL))
+            yield Workers(stack.enter_context(Client(local)), limit)
         return
     try:
         client = Client(scheduler, timeout=_TIMEOUT)
@@ -64,6 +68,29 @@ def connect(scheduler=None, count=None, limit=3600.0):
     finally:
         with suppress(TimeoutError):    # a scheduler that is gone does not answer
             client.close(timeout=_CHECK)
+
+
+@contextmanager
+def _uninterrupted():
+    """Raise the KeyboardInterrupt of the block after it: Dask cannot close a cluster that starts.
+
+    Processes that are started in the block, or later by its threads, get no Ctrl-C: it is for the
+    command alone, which ends them.
+    """
+    caught = []
+    resource_tracker.ensure_running()       # its start would let Ctrl-C through again
+    before = {number: signal.signal(number, lambda *_: caught.append(True))
+              for number in (signal.SIGINT, signal.SIGTERM)
+              if signal.getsignal(number) is signal.default_int_handler}
+    mask = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, mask)
+        for number, handler in before.items():
+            signal.signal(number, handler)
+    if caught:
+        raise KeyboardInterrupt
 
 
 class Workers:
@@ -122,11 +149,6 @@ class Workers:
                 raise SchedulerLost
             if done or seconds is not None:
                 return [(self._running.pop(future), _result(future)) for future in done]
-
-
-def dask_setup(_worker):
-    """Leave Ctrl-C to the command; Dask calls this in each worker process of this machine."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
 
 
 def _limited(photos, request, seconds):

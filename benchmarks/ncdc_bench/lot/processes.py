@@ -91,7 +91,7 @@ class Station:
             [sys.executable, "-m", "ncdc", "lot", "watch", str(folder), "-o", str(lot), "--target",
              "dots", "--bayer", "MONO", "--workers", "1", "--port", "0", *map(str, more)],
             stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True)
-        self.url = self.process.stdout.readline().strip()
+        self.url = self.process.stderr.readline().split()[0]
         self.process.stderr.readline()      # its workers are ready
 
     def wait_for(self, *signs):
