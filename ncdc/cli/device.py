@@ -94,19 +94,19 @@ def run(args) -> None:
         addresses = [str(first + k) for k in range(args.count)]
     except ValueError as error:
         raise InputError(f"the address {args.address!r} is no IPv4 address") from error
+    every = [DeviceOptions(address, fps=args.fps, loss=args.packet_loss, noise=args.noise,
+                           loss_again=args.resend_loss, tcp_port=args.tcp_port,
+                           field=field_of(args), sensor=args.sensor, eeprom=state)
+             for address in addresses]
     default_model(say)          # says so if the pictures will be slow
     print("preparing the correction", file=sys.stderr, flush=True)
     corrections = lens_corrections(descriptors)
     devices, announcer = [], None
     try:
-        for address in addresses:
-            options = DeviceOptions(address, fps=args.fps, loss=args.packet_loss, noise=args.noise,
-                                    loss_again=args.resend_loss, tcp_port=args.tcp_port,
-                                    field=field_of(args), sensor=args.sensor,
-                                    eeprom=state)
+        for options in every:
             devices.append(EmulatedDevice(corrections, options, image))
-            print(f"{options.serial} at {address}: Table I on TCP port {devices[-1].table.port}, "
-                  f"GVCP on UDP port {PORT}", flush=True)
+            print(f"{options.serial} at {options.address}: Table I on TCP port "
+                  f"{devices[-1].table.port}, GVCP on UDP port {PORT}", flush=True)
         announcer = Announcer(devices)
         signal.signal(signal.SIGTERM, lambda *_: sys.exit(0))
         print("Ctrl-C ends it", file=sys.stderr, flush=True)

@@ -35,7 +35,7 @@ def add_stabilisation(parser):
     """Declare the options --gyro, --gyro-axes, --gyro-offset, --readout-ms and --smooth."""
     parser.add_argument("--gyro", metavar="CSV",
                         help="samples of a gyroscope at the camera: columns time_s, x_rad_s, "
-                             "y_rad_s, z_rad_s")
+                             "y_rad_s, z_rad_s, or x_deg_s and so on")
     parser.add_argument("--gyro-axes", metavar="AXES",
                         help="axes of the gyroscope that are the camera's right, down and forward, "
                              "as in --gyro-axes=-y,x,z (default: x,y,z)")

@@ -119,7 +119,17 @@ def test_a_file(tmp_path):
     np.testing.assert_array_equal(gyroscope.rates, [[-2, 1, 3], [-5, 4, 6]])
 
 
+def test_a_file_in_degrees(tmp_path):
+    path = tmp_path / "gyro.csv"
+    path.write_text("time_s,x_deg_s,y_deg_s,z_deg_s\n0,180,-90,0\n.01,2000,0,0\n")
+    np.testing.assert_allclose(load_gyroscope(path).rates[0], [np.pi, -np.pi / 2, 0])
+    path.write_text("time_s,x_deg_s,y_deg_s,z_deg_s\n0,0,0,0\n.01,0,2100,0\n")
+    with pytest.raises(InputError, match="36.6519 rad/s, 35 is the limit"):
+        load_gyroscope(path)
+
+
 @pytest.mark.parametrize("lines,words", [
+    (["time_s,x_deg_s,y_rad_s,z_rad_s", "0,0,0,0"], "a line time_s,x_rad_s,.*, or time_s,x_deg_s"),
     ([], "begins with ''"), (["t,x,y,z", "0,0,0,0"], "begins with 't,x,y,z'"),
     ([HEAD, "0,0,0,0"], "holds 1 samples"), ([HEAD, "0,0,0,0", ".01,0,0"], "line 3 of"),
     ([HEAD, "0,0,0,0", ".01,0,0,inf"], "line 3 of"),

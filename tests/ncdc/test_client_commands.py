@@ -109,7 +109,6 @@ def test_one_sentence(one, command, status, message, capsys):
     ("net.toml --photo small.png --bits 12", "small.png declares samples of 8 bits"),
     ("net.toml --eeprom none.bin", "cannot read none.bin"),
     ("net.toml --count 0", "0 devices are asked for, the limits are 1 and 16"),
-    ("net.toml --fps 0", "fps is 0, the limits are 0.1 and 120"),
     ("net.toml --packet-loss 0.6", "loss is 0.6, the limits are 0 and 0.5"),
     ("net.toml --noise -1", "noise is -1, the limits are 0 and 50"),
     ("net.toml --address here", "the address 'here' is no IPv4 address"),
@@ -141,6 +140,15 @@ def test_a_device_with_an_eeprom(folder, monkeypatch, capsys, content, state, le
     assert run(f"device serve net.toml --eeprom a.bin --address {loopback_address()}") == 0
     assert seen == [STATES.index(state), int(lens.digest[:8], 16)]
     assert text in capsys.readouterr().err.splitlines()
+
+
+@pytest.mark.parametrize("options,message", [
+    ("--sensor nope", "the sensor is 'nope', a device on a network has one of mt9p031, imx219"),
+    ("--fps 0", "fps is 0, the limits are")])
+def test_options_are_checked_before_lenses_are_prepared(options, message, capsys):
+    assert run(f"device serve net.toml {options}") == 2
+    err = capsys.readouterr().err
+    assert message in err and err.count("\n") == 1
 
 
 def test_an_address_in_use(capsys):

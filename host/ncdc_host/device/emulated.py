@@ -23,6 +23,7 @@ from ncdc_spec.errors import InputError
 from ncdc_spec.geometry import MONO
 from ncdc_spec.protocols.gvcp import DISCOVERY, FORCEIP, PORT, parse_command
 from ncdc_spec.protocols.table_one import TCP_PORT
+from ncdc_spec.sensors.catalogue import controlled_sensor
 from ncdc_spec.view_matrix import PlaneCamera, has_plane
 
 __all__ = ["Announcer", "DeviceOptions", "EmulatedDevice", "lens_corrections"]
@@ -60,7 +61,7 @@ class DeviceOptions:
     Raises
     ------
     InputError
-        If a value is outside its limits.
+        If a value is outside its limits, or no device with that sensor is emulated.
     """
     address: str = "127.0.0.1"
     serial: str = ""
@@ -79,6 +80,7 @@ class DeviceOptions:
             if not low <= getattr(self, name) <= high:
                 raise InputError(f"{name} is {getattr(self, name):g}, the limits are {low} and "
                                  f"{high}")
+        controlled_sensor(self.sensor)
         try:
             socket.inet_aton(self.address)
             number = int(IPv4Address(self.address))

@@ -11,6 +11,7 @@ from ncdc_spec.files import parse_text
 __all__ = ["COLUMNS", "load_gyroscope"]
 
 COLUMNS = ("time_s", "x_rad_s", "y_rad_s", "z_rad_s")
+_IN_DEGREES = ("time_s", "x_deg_s", "y_deg_s", "z_deg_s")
 _FASTEST = 35.0         # rad/s: 2,000 degrees per second, where the range of such sensors ends
 _SLOWEST_STEP = 0.1     # s from sample to sample: rarer ones do not show a hand's shaking
 _GAP = 5                # times the usual step
@@ -20,7 +21,8 @@ _AXES = re.compile(r"([+-]?)([xyz])")
 def load_gyroscope(path, axes="x,y,z"):
     """Read the samples of the CSV file ``path``; returns a :class:`Gyroscope`.
 
-    The first line has the names :data:`COLUMNS`. Rates are about the axes of the sensor.
+    The first line has the names :data:`COLUMNS`, or ``x_deg_s`` and so on for rates in degrees per
+    second. Rates are about the axes of the sensor.
 
     Parameters
     ----------
@@ -37,12 +39,16 @@ def load_gyroscope(path, axes="x,y,z"):
     """
     turn = _axes(axes)
     head, *lines = parse_text(path, "gyroscope file", str.splitlines) or [""]
-    if tuple(name.strip() for name in head.split(",")) != COLUMNS:
-        raise InputError(f"{path} begins with {head!r}, a line {','.join(COLUMNS)} is needed")
+    names = tuple(name.strip() for name in head.split(","))
+    if names not in (COLUMNS, _IN_DEGREES):
+        raise InputError(f"{path} begins with {head!r}, a line {','.join(COLUMNS)} is needed, or "
+                         f"{','.join(_IN_DEGREES)}")
     values = np.array([_numbers(path, number, line) for number, line in enumerate(lines, 2)
                        if line.strip()])
     if len(values) < 2:
         raise InputError(f"{path} holds {len(values)} samples, at least 2 are needed")
+    if names == _IN_DEGREES:
+        values[:, 1:] = np.radians(values[:, 1:])
     _check(path, values)
     return Gyroscope(values[:, 0], values[:, 1:] @ turn.T)
 
@@ -75,8 +81,8 @@ def _check(path, values):
                          f"is {_GAP} times the usual step of {usual:g} s")
     fastest = np.abs(values[:, 1:]).max()
     if fastest > _FASTEST:
-        raise InputError(f"a rate in {path} is {fastest:g} rad/s, {_FASTEST:g} is the limit: are "
-                         f"the rates in degrees per second?")
+        raise InputError(f"a rate in {path} is {fastest:g} rad/s, {_FASTEST:g} is the limit: "
+                         f"columns of degrees per second are named x_deg_s, y_deg_s, z_deg_s")
 
 
 def _axes(text):
