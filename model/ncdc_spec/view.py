@@ -9,9 +9,10 @@ from ncdc_spec.fixed import Q
 from ncdc_spec.geometry import MAX_SIZE, MIN_SIZE
 from ncdc_spec.nodes import AFTER, BEFORE, NODES
 
-__all__ = ["CAMERA_FORMATS", "COLUMN", "DEPTH_SHIFTS", "FORMATS", "NAMES", "NODE", "NUMERATOR",
-           "PLANE", "PLANE_HEIGHT", "SUM_BITS", "VIEW_REGISTERS", "View", "check_view_nodes",
-           "rounded_matrix", "scale_of", "view_values"]
+__all__ = ["CAMERA_FORMATS", "COLUMN", "DEPTH_SHIFTS", "FORMATS", "MAX_DEPTH", "MIN_DEPTH",
+           "NAMES", "NODE", "NUMERATOR", "PLANE", "PLANE_HEIGHT", "SUM_BITS", "VIEW_REGISTERS",
+           "View", "check_view_nodes", "outer_columns", "rounded_matrix", "scale_of",
+           "view_values"]
 
 _POSITION, _POSITION_STEP = Q(15, 17), Q(5, 27)
 _DEPTH, _DEPTH_STEP = Q(2, 30), Q(-3, 35)
@@ -51,9 +52,13 @@ PLANE = Q(14, 13)
 NODE, COLUMN = Q(14, 6), Q(14, 0)
 """Of positions at nodes and between them, where they select a valid span."""
 
-_MAX_DEPTH = 2 - 2.0**-20
+MAX_DEPTH = 2 - 2.0**-20
+"""Of a view in its formats, at every node of its picture."""
+
+MIN_DEPTH = 1 / 8
+"""Of its deepest node, at least: steps stay precise."""
+
 _DEPTHS = 1e-18, 1e18   # of a real matrix: zero, or beyond all use, is a mistake
-_MIN_DEPTH = 1 / 8      # largest depth of a view in its formats, at least: steps stay precise
 
 
 @dataclass(frozen=True)
@@ -151,11 +156,11 @@ def scale_of(matrix, size):
                          f"{_DEPTHS[0]:g} and {_DEPTHS[1]:g}")
     with np.errstate(divide="ignore", over="ignore"):
         ratios = limits / np.abs(matrix)
-    ratio = min(ratios.min(), _MAX_DEPTH / depth)
-    if ratio * depth < _MIN_DEPTH:
+    ratio = min(ratios.min(), MAX_DEPTH / depth)
+    if ratio * depth < MIN_DEPTH:
         row, column = np.unravel_index(ratios.argmin(), (3, 3))
         raise InputError(f"the view's matrix has {matrix[row, column]:g} in row {row}, column "
-                         f"{column}, the limit is {limits[row, column] / _MIN_DEPTH:g} times "
+                         f"{column}, the limit is {limits[row, column] / MIN_DEPTH:g} times "
                          f"its largest depth of {depth:g}")
     return 2.0**np.floor(np.log2(ratio))
 
@@ -166,8 +171,13 @@ def _flat_formats():
 
 def _depths(matrix, size):
     """Depths at the outermost nodes of a picture of ``size``, between which all others are."""
-    columns = -BEFORE * max(NODES), size[0] + AFTER * max(NODES)
-    return np.array([matrix[2] @ (u, v, 1) for u in columns for v in (0, size[1] - 1)])
+    return np.array([matrix[2] @ (u, v, 1) for u in outer_columns(size[0])
+                     for v in (0, size[1] - 1)])
+
+
+def outer_columns(width):
+    """Columns of the outermost nodes of a picture of that ``width``, at any distance of nodes."""
+    return -BEFORE * max(NODES), width + AFTER * max(NODES)
 
 
 def rounded_matrix(matrix, size, formats=FORMATS):

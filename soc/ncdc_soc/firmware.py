@@ -1,11 +1,12 @@
 """The firmware: its image, and its configuration from the tables that all of NCDC shares."""
 
 import io
+import math
 import re
 import struct
 import subprocess
 import zipfile
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from importlib.metadata import version
 from importlib.resources import files
 from pathlib import Path
@@ -18,19 +19,21 @@ from ncdc_hdl.link.processor import LINK_BASE
 from ncdc_soc.lwip import FILES, lwip_source
 from ncdc_soc.mac import SLOT_BYTES
 from ncdc_soc.processor import MAP
+from ncdc_spec import view
 from ncdc_spec.errors import InputError
 from ncdc_spec.frames import output_format
 from ncdc_spec.needs import check_programs
 from ncdc_spec.pixel_formats import raw_format
 from ncdc_spec.protocols import auto_control, gvcp, gvcp_tables, gvsp
-from ncdc_spec.protocols.features import feature, features_of
+from ncdc_spec.protocols.features import VIEW_FEATURES, feature, features_of, features_with
 from ncdc_spec.protocols.genicam import genicam_xml
-from ncdc_spec.protocols.table_one import IDLE_SECONDS, SYSTEM_WORDS, TCP_PORT
+from ncdc_spec.protocols.table_one import IDLE_SECONDS, RATE, SYSTEM_WORDS, TCP_PORT, VIEW
 from ncdc_spec.registers.link_map import LINK, TEMPLATES
-from ncdc_spec.registers.register_map import registers
+from ncdc_spec.registers.register_map import CTRL_COMMIT, STATUS_COMMITTED, registers
 from ncdc_spec.sensors.catalogue import controlled_sensor
 from ncdc_spec.sensors.framing import Crop, field_values
 from ncdc_spec.sensors.waking import wake_times
+from ncdc_spec.view_matrix import LIMITS
 from ncdc_spec.white_balance import GAIN_BITS, LARGEST_GAIN, UNITY
 
 __all__ = ["DRIVER", "FIRMWARE", "SOURCES", "Identity", "config", "firmware_image"]
@@ -44,13 +47,13 @@ _SPECS = "picolibc.specs"       # of the C library
 _COMPILER = "riscv64-unknown-elf-gcc"
 _I2C_QUARTER_MIN = 8      # clocks
 _USERS = 8                  # of Table I at a time
-_MIRRORS = "ReverseX", "ReverseY"
-_WINDOW = "Width", "Height", "OffsetX", "OffsetY"
 SOURCES = ("start.S", "main.c", "net.c", "table.c", "gvcp.c", "gvcp_control.c", "gvcp_read.c",
-           "gvcp_write.c", "auto.c", "stream.c", "frames.c", "mraw.c", "words.c", "sensor.c",
-           "eeprom.c", "interrupt.c", "phy.c", "mdio.c", "ip.c", "eth.c", "uart.c", "memory.c")
+           "gvcp_write.c", "auto.c", "stream.c", "frames.c", "mraw.c", "words.c", "view_matrix.c",
+           "sensor.c", "eeprom.c", "interrupt.c", "phy.c", "mdio.c", "ip.c", "eth.c", "uart.c",
+           "memory.c")
 # Of these what answers GVCP has no part that takes long.
-_SLOW = ("main.c", "gvcp_write.c", "auto.c", "words.c", "eeprom.c", "phy.c", "mdio.c", "uart.c")
+_SLOW = ("main.c", "gvcp_write.c", "auto.c", "words.c", "view_matrix.c", "eeprom.c", "phy.c",
+         "mdio.c", "uart.c")
 _OPTIONS = ("-march=rv32im", "-mabi=ilp32", "-ffunction-sections", "-fdata-sections",
             "-ffreestanding", "-fbuiltin", "-fno-tree-loop-distribute-patterns",
             "-std=c11", "-Wall", "-Wextra", "-Werror", "-nostartfiles", f"--specs={_SPECS}",
@@ -117,17 +120,18 @@ def config(system, capacity, soc, setup, corner, identity=Identity(), *, sets_up
     InputError
         If the firmware does not know the sensor.
     """
+    abilities = RATE | (VIEW if system.hardware.view else 0)
     features = _features(setup)
     lines = ["/* Made by ncdc_soc.firmware. */", "#ifndef CONFIG_H", "#define CONFIG_H"]
     lines += [f"#define {name} {value}" for name, value in {
         **_hardware(capacity, soc), **_registers(system), **_pictures(system, setup),
         **_field(setup, Crop(*corner), system.descriptor.geometry),
         **_sensor(setup, soc.clock_hz, max(1, sets_up)),
-        **_protocols(identity, soc.clock_hz, genicam_xml(system.hardware.colour,
-                                                         _listed(features))),
-        **_automatic(system, setup), **_lens(system),
+        **_protocols(identity, soc.clock_hz, genicam_xml(
+            system.hardware.colour, features_with(features, abilities))),
+        **_automatic(system, setup), **_view(system), **_lens(system), "ABILITIES": f"{abilities}u",
         "SETS_UP": int(sets_up > 0), "FIRST_READER": f"{first_reader}u"}.items()]
-    own = _own(features)
+    own = _own((*features, *(VIEW_FEATURES if abilities & VIEW else ())))
     lines.append("enum feature_id {" + ", ".join(f"FEATURE_{one.name}" for one in own) + "};")
     lines += [f"#define CONFIG_CHOICES {_choices(own)}", f"#define CONFIG_PARTS {_parts(own)}",
               f"#define CONFIG_FEATURES {_table(own)}",
@@ -263,6 +267,29 @@ def _lens(system):
                                       for name, value in lens.values.items())}
 
 
+def _view(system):
+    """Constants of :mod:`~ncdc_spec.view_matrix` and :mod:`~ncdc_spec.view` for the picture."""
+    descriptor = system.descriptor
+    at = {one.name: 4 * one.address for one in registers(
+        descriptor.hidden_neurons, descriptor.formats, descriptor.nodes, view=True)}
+    angles = [feature(name.capitalize()) for name in LIMITS]
+    columns = view.outer_columns(descriptor.geometry.corrected_width)
+    focal, *_ = view.CAMERA_FORMATS
+    return {
+        "HAS_VIEW": int(system.hardware.view), "VIEW_PI": repr(math.pi),
+        "VIEW_LOW": _braced(str(one.low) for one in angles),
+        "VIEW_HIGH": _braced(str(one.high) for one in angles),
+        "VIEW_FRACTIONS": _braced(str(q.f_bits) for row in view.FORMATS for q in row),
+        "CAMERA_FRACTIONS": _braced(str(q.f_bits) for q in view.CAMERA_FORMATS.values()),
+        "FOCAL_FRACTION": view.CAMERA_FORMATS[focal].f_bits,
+        "FOCAL_STEPS": feature("ViewFocal").scale[1],
+        "VIEW_FIRST_NODE": columns[0], "VIEW_LAST_NODE": columns[1],
+        "VIEW_DEPTH_MAX": repr(view.MAX_DEPTH), "VIEW_DEPTH_MIN": repr(view.MIN_DEPTH),
+        "CORRECTOR_VIEW": _hex(at[view.VIEW_REGISTERS[0]]), "CORRECTOR_CAMERA": _hex(at[focal]),
+        "CORRECTOR_CTRL": _hex(at["CTRL"]), "CORRECTOR_STATUS": _hex(at["STATUS"]),
+        "CORRECTOR_COMMIT": f"{CTRL_COMMIT}u", "CORRECTOR_COMMITTED": f"{STATUS_COMMITTED}u"}
+
+
 def _frame_exposure(setup):
     """Lines of the longest exposure that leaves a frame as long as it is."""
     sensor = setup.sensor
@@ -342,13 +369,6 @@ def _features(setup):
                        None if sensor.controls.stretches else _frame_exposure(setup))
 
 
-def _listed(features):
-    """The features as the XML lists them: the firmware has one size of the picture and mirrors
-    nothing. Clients may write the values that are there."""
-    return [replace(one, lacking=True) if one.name in _MIRRORS else
-            replace(one, access="ro") if one.name in _WINDOW else one for one in features]
-
-
 def _own(features):
     """Those with a register of their own, in the order of their addresses, without a gap."""
     found = [one for one in features if one.address >= gvcp.FEATURE_BASE]
@@ -378,7 +398,7 @@ def _table(features):
             choices, count = f"CHOICES_{one.name}", str(len(one.choices))
         rows.append(_braced([
             f"FEATURE_{one.name}", access[one.access], str(first), str(len(one.parts)),
-            _hex(one.low), count, _hex(one.high), choices]))
+            count, str(one.low), _hex(one.high & 0xFFFFFFFF), choices]))
         first += len(one.parts)
     return _braced(rows)
 

@@ -2,8 +2,7 @@
 
 import pytest
 
-from cameras import barrel_descriptor
-from devices import SIZE
+from devices import NARROW, view_lens
 from firmware_wire import wire_program
 from ncdc_spec.protocols import gvsp
 
@@ -13,6 +12,6 @@ CAPACITY = gvsp.packet_size(gvsp.MAX_PACKET) - gvsp.HEADERS_BYTES
 
 @pytest.fixture(scope="session")
 def wire_firmware(tmp_path_factory):
-    """Program for :class:`~firmware_wire.Wire`, of a corrector with gains."""
-    return wire_program(tmp_path_factory.mktemp("wire"), barrel_descriptor(SIZE, SIZE),
-                        capacity=CAPACITY, colour=True)
+    """Program for :class:`~firmware_wire.Wire`, of a corrector with gains and a view."""
+    return wire_program(tmp_path_factory.mktemp("wire"), view_lens(focal=NARROW),
+                        capacity=CAPACITY, colour=True, view=True)

@@ -1,6 +1,6 @@
 """One list of requests, and the same answers from every device that speaks GVCP."""
 
-from devices import device, small_lens
+from devices import NARROW, device, view_lens
 from firmware_wire import Wire
 from gvcp_requests import PEERS, requests
 from ncdc_spec.protocols import gvcp
@@ -10,13 +10,14 @@ REQUESTS = requests()
 
 def emulated():
     """Answers of the emulated device, one list a request."""
-    with device([small_lens()]) as one:
+    with device([view_lens(focal=NARROW)]) as one:
         return [one.agent.answers(request.data, PEERS[request.peer]) for request in REQUESTS]
 
 
 def firmware(program):
     """Answers of the firmware."""
     with Wire(program) as wire:
+        wire.take_camera(view_lens(focal=NARROW))
         return [wire.datagram(request.data, PEERS[request.peer][1], PEERS[request.peer][0])
                 for request in REQUESTS]
 

@@ -8,9 +8,10 @@ from cameras import barrel_descriptor
 from ncdc_host.device.emulated import DeviceOptions, EmulatedDevice, lens_corrections
 from ncdc_model.example import noise_picture
 
-__all__ = ["SIZE", "device", "loopback_address", "small_lens", "view_lens"]
+__all__ = ["NARROW", "SIZE", "device", "loopback_address", "small_lens", "view_lens"]
 
 SIZE = (64, 48)
+NARROW = 2000.0         # focal length at which a few views do not fit the registers
 _numbers = itertools.count(1)
 
 

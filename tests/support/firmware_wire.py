@@ -14,7 +14,9 @@ from ncdc_soc.soc import soc_verilog
 from ncdc_spec.hardware import Hardware
 from ncdc_spec.protocols import gvcp
 from ncdc_spec.protocols.table_one import TCP_PORT
+from ncdc_spec.registers.register_map import registers
 from ncdc_spec.sensors.framing import camera_of, grid_row, setup_around
+from ncdc_spec.view_matrix import camera_values
 
 __all__ = ["CLIENT_IP", "TcpUser", "Wire", "wire_config", "wire_program"]
 
@@ -22,12 +24,12 @@ CLIENT_IP, _CLIENT_MAC = "10.77.0.1", "02:00:00:00:00:01"
 _DEVICE = Identity()
 
 
-def wire_config(descriptor, field=None, capacity=None, colour=False, sensor="mt9p031"):
+def wire_config(descriptor, field=None, capacity=None, colour=False, sensor="mt9p031", view=False):
     """``text(clock_hz=None)``: config.h of a system with a ``sensor`` for ``descriptor``, at that
     clock or its own; ``field`` of the sensor, ``capacity`` of a packet if not the packetiser's,
-    ``colour``: the corrector has gains."""
+    ``colour``, ``view``: the corrector has gains, a view."""
     setup, crop = setup_around(sensor, descriptor.geometry, field=field)
-    hardware = Hardware(bus="axi", format="BGR8", colour=colour)
+    hardware = Hardware(bus="axi", format="BGR8", colour=colour, view=view)
     core = SocCore(descriptor, hardware, grid=grid_row(setup, crop),
                    camera=camera_of(setup, crop))
     soc, capacity = soc_verilog(core), capacity or core.packetiser.capacity
@@ -51,11 +53,13 @@ class Wire:
         Last numbers of the packets that the packetiser was made to send again.
     streamed : int
         Frames that it was made to send.
+    commits : list of tuple of int
+        The matrix of the corrector at each of its commits.
     """
     def __init__(self, program, *arguments):
         self._command_line = [program, *map(str, arguments)]
         self.sent, self.resent = [], []
-        self.streamed, self._values = 0, []
+        self.streamed, self._values, self.commits = 0, [], []
 
     def __enter__(self):
         self._process = subprocess.Popen(self._command_line, stdin=subprocess.PIPE,
@@ -76,6 +80,9 @@ class Wire:
             assert text, "the firmware has ended"
             if text.startswith("v "):
                 self._values = [int(value) for value in text[2:].split()]
+                continue
+            if text.startswith("k "):
+                self.commits.append(tuple(map(int, text[2:].split())))
                 continue
             if text == "s\n":
                 self.streamed += 1
@@ -118,6 +125,12 @@ class Wire:
     def put(self, register, value):
         """Set the corrector's register at a word address."""
         self._command(f"p {4 * register} {value}")
+
+    def take_camera(self, descriptor):
+        """Have the corrector's registers hold the camera of a lens's picture."""
+        at = {one.name: one.address for one in registers(1, descriptor.formats, view=True)}
+        for name, value in camera_values(descriptor).items():
+            self.put(at[name], value & 0xFFFFFFFF)
 
     def peek(self, register):
         """The corrector's register at a word address."""

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from ipaddress import IPv4Address
 
 from ncdc_spec.protocols import gvcp
-from ncdc_spec.protocols.features import AUTO_FEATURES, FEATURES
+from ncdc_spec.protocols.features import AUTO_FEATURES, FEATURES, VIEW_FEATURES
 
 __all__ = ["PEERS", "Request", "requests"]
 
@@ -24,7 +24,8 @@ _OWN = {row.address for row in gvcp.BOOTSTRAP if row.length > 4} | {
         "MacHigh", "MacLow", "IpAddress", "SubnetMask", "IpConfiguration", "TimestampHigh",
         "TimestampLow", "StreamSourcePort")}
 _STATE = {"AcquisitionMode", "TriggerMode", "TriggerSelector", "TriggerSource", "TLParamsLocked",
-          "SensorRegisterAddress", *AUTO_FEATURES, "BalanceRatioSelector", "BalanceRatio"}
+          "SensorRegisterAddress", *AUTO_FEATURES, "BalanceRatioSelector", "BalanceRatio",
+          *(one.name for one in VIEW_FEATURES)}
 # The firmware's test has a sensor whose bus is always at work.
 _BUS = {"SensorRegisterValue"}
 
@@ -70,6 +71,7 @@ def requests():
     _control(made)
     _headers(made)
     _limits(made)
+    _views(made)
     _automatic(made)
     _acquisition(made)
     return made.made
@@ -79,9 +81,10 @@ def _addresses():
     """(name, address, whether its content is the same for all) of every register there is, and of
     some that are none."""
     rows = [(row.name, row.address, row.address not in _OWN) for row in gvcp.BOOTSTRAP]
-    features = [(one.name, one.address, one.name in _STATE) for one in FEATURES
+    features = [(one.name, one.address, one.name in _STATE)
+                for one in (*FEATURES, *VIEW_FEATURES)
                 if one.address >= gvcp.FEATURE_BASE and one.name not in _BUS]
-    after = max(one.address for one in FEATURES) + 4
+    after = max(one.address for one in VIEW_FEATURES) + 4
     corrector = gvcp.CORRECTOR_BASE, gvcp.CORRECTOR_BYTES
     other = {
         "reserved word of discovery": (0x18, True), "word after discovery": (0xF8, True),
@@ -212,6 +215,19 @@ def _limits(made):
                     "before the features", "after the features", "XML", "last word",
                     "reserved word of discovery", "after the corrector"):
             made.write(name, address, 0)
+
+
+def _views(made):
+    """Numbers of a view, at their limits and beyond, and the widest together."""
+    for one in VIEW_FEATURES:
+        for value in (one.low - 1, one.low, one.high, one.high + 1, -1, 0, 0x7FFF_FFFF):
+            made.write(one.name, one.address, value & 0xFFFF_FFFF)
+            made.read(one.name, one.address)
+    for one in VIEW_FEATURES:
+        made.read(one.name, one.address)
+    at = {one.name: one.address for one in VIEW_FEATURES}
+    for name, value in (("Zoom", 1000), ("Pan", 0), ("Tilt", 0), ("Roll", 0)):
+        made.write(name, at[name], value)
 
 
 def _automatic(made):

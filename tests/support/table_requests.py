@@ -14,7 +14,7 @@ __all__ = ["table_requests"]
 _SENSOR = mt9p031.SENSOR
 # What differs from device to device, or with time.
 _OWN = {"FRAME_RATE", "LINE_TIME_UPPER", "LINE_TIME_LOWER", "DROPPED_UPPER", "DROPPED_LOWER",
-        "TORN_UPPER", "TORN_LOWER", "FRAMES"}
+        "TORN_UPPER", "TORN_LOWER", "FRAMES", "ABILITIES"}
 
 
 def table_requests():

@@ -10,7 +10,7 @@ from ncdc_host.client.device import Device, FeatureInfo, FrameStream, Rate, Stat
 from ncdc_host.client.errors import DeviceError, DeviceGone, NoFrame, Rejected
 from ncdc_host.client.frame import Frame
 from ncdc_spec.errors import InputError
-from ncdc_spec.protocols.features import FEATURES, features_of, system_word
+from ncdc_spec.protocols.features import FEATURES, features_of, features_with, system_word
 from ncdc_spec.protocols.table_one import MRAW, READ, REQUEST, UNKNOWN, WRITE
 from ncdc_spec.protocols.table_two import HEADER_BYTES, MrawHeader
 from ncdc_spec.sensors.catalogue import sensor_at
@@ -144,6 +144,7 @@ class TableDevice(Device):
         try:
             version = self._connection.read(system_word("WIDTH_MAX"))
             sensor = sensor_at(self._connection.read(system_word("SENSOR_ADDRESS")))
+            abilities = self._connection.read(system_word("ABILITIES"))
         except NoFrame:
             version = 0
         if not version:
@@ -151,7 +152,8 @@ class TableDevice(Device):
             raise DeviceError(f"{self.url} does not answer as a device does")
         # Over USB, and of an earlier version, a device does not say which sensor it has.
         features = features_of(sensor) if sensor and sensor.controls else FEATURES
-        self._features = {one.name: one for one in features if one.parts}
+        self._features = {one.name: one for one in features_with(features, abilities)
+                          if one.parts and not one.lacking}
 
     @property
     def access(self):

@@ -10,7 +10,7 @@ from ncdc_host.device.registers import Rejected
 from ncdc_host.device.stream import Receiver
 from ncdc_spec.eeprom import NO_CHIP
 from ncdc_spec.protocols import gvcp, gvsp
-from ncdc_spec.protocols.features import VIEW_FEATURES, feature, register_number
+from ncdc_spec.protocols.features import feature
 from ncdc_spec.protocols.genicam import genicam_xml
 
 __all__ = ["ControlAgent", "Identity"]
@@ -268,8 +268,6 @@ class ControlAgent:
             return self._registers.read(self._sensor_address)
         if one.name == "BalanceRatio":
             return self._registers.settings.colour.raw_gains[self._ratio]
-        if one in VIEW_FEATURES:
-            return self._registers.read_angle(one) & 0xFFFFFFFF
         return {**self._registers.auto,
                 "AcquisitionMode": self._mode, "TriggerMode": self._trigger,
                 "TLParamsLocked": self._tl_locked, "BalanceRatioSelector": self._ratio,
@@ -348,12 +346,9 @@ class ControlAgent:
         if one.parts:
             self._registers.write_feature(one, value)
             return
-        value = register_number(one, value)
         if not one.low <= value <= one.high:
             raise Rejected("value")
-        if one in VIEW_FEATURES:
-            self._registers.write_angle(one, value)
-        elif one.name in self._registers.auto:
+        if one.name in self._registers.auto:
             self._registers.auto[one.name] = value
         elif one.name == "BalanceRatioSelector":
             self._ratio = value

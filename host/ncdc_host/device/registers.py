@@ -15,9 +15,11 @@ from ncdc_spec.protocols.features import (
     VIEW_FEATURES,
     feature,
     features_of,
+    features_with,
+    register_number,
     system_word,
 )
-from ncdc_spec.protocols.table_one import SYSTEM_PAGE, SYSTEM_WORDS
+from ncdc_spec.protocols.table_one import MIRRORS, RATE, SYSTEM_PAGE, SYSTEM_WORDS, VIEW, WINDOW
 from ncdc_spec.sensors.catalogue import controlled_sensor, line_ns, window
 from ncdc_spec.sensors.controls import number_in
 from ncdc_spec.sensors.field import FULL
@@ -29,6 +31,8 @@ __all__ = ["Rejected", "Registers", "Settings", "View"]
 
 _EXPOSURE_NS = 10_000_000           # after reset: what the photo was taken with
 _WRITABLE = {word.address for word in SYSTEM_WORDS if word.access == "rw"}
+_ANGLES = tuple(one for one in VIEW_FEATURES if one.access == "rw")
+_ANGLE_OF = {one.table[0]: one for one in _ANGLES}
 
 
 def _framing(sensor, geometry, field):
@@ -154,11 +158,12 @@ class Registers:
         self._colour = Colour()
         self._planes = list(planes)     # None of a lens that does not state it
         self._angles = {one.name: round(getattr(Angles(), one.name.lower()) * one.scale[1])
-                        for one in VIEW_FEATURES if one.access == "rw"}
+                        for one in _ANGLES}
+        self._abilities = WINDOW | MIRRORS | RATE | (VIEW if planes else 0)
         self.auto = dict.fromkeys(AUTO_FEATURES, OFF)
         self.controlled = False
         self._sensor = controlled_sensor(sensor)
-        self._use_features((*features_of(self._sensor), *(VIEW_FEATURES if planes else ())))
+        self._use_features(features_with(features_of(self._sensor), self._abilities))
         self._asked, self._field = _framing(self._sensor, geometry, field)
         self._view = self._whole(View(BGR8, 0, 0, 0, 0))
         self._lens, self._rate = 0, rate_tenths
@@ -274,28 +279,6 @@ class Registers:
                     plane.looking(_angles_of(self._angles))
                 self._planes[number] = plane
 
-    def read_angle(self, one):
-        """The number in the register of one of the view's features."""
-        with self.lock:
-            if one.name == "ViewFocal":
-                plane = self._planes[self._lens]
-                return round(plane.focal * one.scale[1]) if plane else 0
-            return self._angles[one.name]
-
-    def write_angle(self, one, number):
-        """Write such a register, within its limits; raises :class:`Rejected` if a lens cannot look
-        so far off its axis."""
-        with self.lock:
-            wanted = self._angles | {one.name: number}
-            try:
-                for plane in filter(None, self._planes):
-                    plane.looking(_angles_of(wanted))
-            except InputError:
-                raise Rejected("value") from None
-            if wanted != self._angles:
-                self._angles = wanted
-                self._change()
-
     def _change(self):
         for call in self._on_change:
             call()
@@ -354,10 +337,19 @@ class Registers:
             "FORMAT": self._present(view).pixel_format.mraw, "FRAME_RATE": self._rate,
             "LENS": self._lens, "OFFSET_X": view.x, "OFFSET_Y": view.y,
             "WIDTH_MAX": whole.width, "HEIGHT_MAX": whole.height, "LENS_MAX": self._lens_max,
-            "STREAMING": int(self._streaming), "FRAMES": 0, **self._field}
-        for name, value in (("LINE_TIME", line), ("DROPPED", self.dropped), ("TORN", self.torn)):
+            "STREAMING": int(self._streaming), "FRAMES": 0, "ABILITIES": self._abilities,
+            **self._field}
+        if self._planes:
+            values |= {name.upper(): number & 0xFFFF for name, number in self._angles.items()}
+        for name, value in (("LINE_TIME", line), ("DROPPED", self.dropped), ("TORN", self.torn),
+                            ("VIEW_FOCAL", self._focal())):
             values[f"{name}_UPPER"], values[f"{name}_LOWER"] = value >> 16 & 0xFFFF, value & 0xFFFF
         return {system_word(name): value for name, value in values.items()}
+
+    def _focal(self):
+        """The number in the register of ViewFocal; 0 if the lens does not state it."""
+        plane = self._planes[self._lens] if self._planes else None
+        return round(feature("ViewFocal").scale[1] * plane.focal) if plane else 0
 
     def _window(self):
         """The sensor's window registers, computed from the picture."""
@@ -417,6 +409,8 @@ class Registers:
             if value > self._lens_max:
                 raise Rejected("value")
             self._lens = value
+        elif address in _ANGLE_OF and self._planes:
+            self._angles = self._turned(_ANGLE_OF[address], value)
         else:
             raise Rejected("read only")
 
@@ -427,6 +421,19 @@ class Registers:
                 or view.y + view.height > whole.height):
             raise Rejected("value")
         return view
+
+    def _turned(self, one, word):
+        """The angles with another one, whose ``word`` is given; each lens can look there."""
+        number = one.register(lambda _: word)
+        wanted = self._angles | {one.name: number}
+        if not one.low <= number <= one.high:
+            raise Rejected("value")
+        try:
+            for plane in filter(None, self._planes):
+                plane.looking(_angles_of(wanted))
+        except InputError:
+            raise Rejected("value") from None
+        return wanted
 
     def _reformatted(self, mraw):
         try:
@@ -453,10 +460,11 @@ class Registers:
     def read_feature(self, one):
         """The 32-bit register of a feature that has ``parts``."""
         with self.lock:
-            return one.register(self.read)
+            return one.register(self.read) & 0xFFFFFFFF
 
     def write_feature(self, one, register):
         """Write the 32-bit register of such a feature; raises :class:`Rejected`."""
+        register = register_number(one, register)
         if not one.choices and not one.low <= register <= one.high:
             raise Rejected("value")
         if one.choices and register not in {choice.value for choice in one.choices}:

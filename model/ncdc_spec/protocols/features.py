@@ -12,7 +12,7 @@ from ncdc_spec.eeprom import STATES
 from ncdc_spec.pixel_formats import PIXEL_FORMATS
 from ncdc_spec.protocols import auto_control, gvsp
 from ncdc_spec.protocols.gvcp import BOOTSTRAP, FEATURE_BASE
-from ncdc_spec.protocols.table_one import SYSTEM_WORDS
+from ncdc_spec.protocols.table_one import MIRRORS, RATE, SYSTEM_WORDS, VIEW, WINDOW
 from ncdc_spec.sensors.controls import Gain, Part, number_in
 from ncdc_spec.sensors.grid import MAX_REDUCTION
 from ncdc_spec.sensors.mt9p031 import SENSOR
@@ -20,7 +20,7 @@ from ncdc_spec.view_matrix import LIMITS
 from ncdc_spec.white_balance import LARGEST_GAIN, UNITY
 
 __all__ = ["AUTO_FEATURES", "FEATURES", "Choice", "Feature", "VIEW_FEATURES", "feature",
-           "features_of", "register_number", "system_word"]
+           "features_of", "features_with", "register_number", "system_word"]
 
 _SYSTEM = {word.name: word.address for word in SYSTEM_WORDS}
 _BOOTSTRAP = {register.name: register.address for register in BOOTSTRAP}
@@ -118,8 +118,11 @@ class Feature:
         return tuple(part.address for part in self.parts)
 
     def register(self, read):
-        """The GVCP register; ``read(address)`` gives a word of Table I."""
+        """The number in the GVCP register; ``read(address)`` gives a word of Table I."""
         number = number_in(self.parts, read)
+        bits = sum(part.width for part in self.parts)
+        if self.low < 0 and number >> bits - 1:
+            number -= 1 << bits
         if self.gain:
             return self.gain.eighths(number)
         return next((one.value for one in self.choices if one.word == number), number)
@@ -321,11 +324,33 @@ FEATURES = features_of(SENSOR)
 """Features of a device with an MT9P031."""
 
 
+_ABILITIES = {WINDOW: ("Width", "Height", "OffsetX", "OffsetY"), MIRRORS: ("ReverseX", "ReverseY"),
+              RATE: ("AcquisitionFrameRate",)}
+
+
+def features_with(features, abilities):
+    """``features``, and :data:`VIEW_FEATURES`, as a device of those ``abilities`` has them.
+
+    Parameters
+    ----------
+    features : sequence of Feature
+    abilities : int
+        Value of the word ABILITIES. Without mirrors the features are lacking; without a window
+        or a rate they are read-only.
+    """
+    missing = {name: bit for bit, names in _ABILITIES.items() if not abilities & bit
+               for name in names}
+    found = tuple(one if one.name not in missing else
+                  replace(one, lacking=True) if missing[one.name] == MIRRORS else
+                  replace(one, access="ro") for one in features)
+    return found + (VIEW_FEATURES if abilities & VIEW else ())
+
+
 def _looking(name, index, text, steps, unit="deg"):
     """The feature of one number of :class:`ncdc_spec.view_matrix.Angles`, ``steps`` a unit."""
     low, high = (round(steps * value) for value in LIMITS[name.lower()])
     return Feature(name, "float", _own(index), text, "NcdcControl", low=low, high=high, unit=unit,
-                   scale=(1, steps))
+                   scale=(1, steps), parts=_word(name.upper()))
 
 
 VIEW_FEATURES = (
@@ -335,7 +360,8 @@ VIEW_FEATURES = (
     _looking("Zoom", 44, "Magnification, 1 as trained.", 1000, unit=""),
     Feature("ViewFocal", "float", _own(45), "Focal length of corrected pictures at Zoom 1; 0: "
             "the lens does not state it, and is shown as trained.",
-            "NcdcControl", access="ro", unit="pixel", scale=(1, 100)),
+            "NcdcControl", access="ro", unit="pixel", scale=(1, 100),
+            parts=_upper_lower("VIEW_FOCAL")),
 )
 """Further features of a device whose corrector has a view, and whose lenses state their focal
 length."""

@@ -7,9 +7,9 @@ value of 16 bits; each answer begins with the code.
 import struct
 from dataclasses import dataclass
 
-__all__ = ["COMMANDS", "Command", "IDLE_SECONDS", "MAX_USERS", "MRAW", "READ", "REQUEST",
-           "RESERVED", "SYSTEM_PAGE", "SYSTEM_WORDS", "SystemWord", "TCP_PORT", "UNKNOWN", "WRITE",
-           "server_settings"]
+__all__ = ["COMMANDS", "Command", "IDLE_SECONDS", "MAX_USERS", "MIRRORS", "MRAW", "RATE", "READ",
+           "REQUEST", "RESERVED", "SYSTEM_PAGE", "SYSTEM_WORDS", "SystemWord", "TCP_PORT",
+           "UNKNOWN", "VIEW", "WINDOW", "WRITE", "server_settings"]
 
 TCP_PORT = 4000
 MAX_USERS = 16          # connections at once that a device accepts; at least 8 are promised
@@ -101,4 +101,17 @@ SYSTEM_WORDS = (
     SystemWord("FIELD_TOP", 0xF01A, "ro", "active row where it begins"),
     SystemWord("SENSOR_ADDRESS", 0xF01B, "ro", "the sensor's I2C address, by which a client knows "
                "its registers"),
+    SystemWord("ABILITIES", 0xF01C, "ro", "what this device lets be written. Bit 0: `WIDTH`, "
+               "`HEIGHT`, `OFFSET_X`, `OFFSET_Y`; bit 1: the sensor's mirrors; bit 2: "
+               "`FRAME_RATE`; bit 3: `PAN` to `ZOOM`, a view"),
+    SystemWord("PAN", 0xF01D, "rw", "direction of the view to the right, hundredths of a degree, "
+               "two's complement"),
+    SystemWord("TILT", 0xF01E, "rw", "the same, upwards"),
+    SystemWord("ROLL", 0xF01F, "rw", "turn of the view, clockwise, likewise"),
+    SystemWord("ZOOM", 0xF020, "rw", "its magnification, thousandths"),
+    SystemWord("VIEW_FOCAL_UPPER", 0xF021, "ro", "focal length of corrected pictures at a zoom of "
+               "1, hundredths of a pixel, bits 31..16"),
+    SystemWord("VIEW_FOCAL_LOWER", 0xF022, "ro", "and bits 15..0"),
 )
+
+WINDOW, MIRRORS, RATE, VIEW = 1, 2, 4, 8        # bits of ABILITIES

@@ -2,6 +2,7 @@
 
 #include "hw.h"
 #include "stream.h"
+#include "view_matrix.h"
 #include "words.h"
 
 struct control control = {.heartbeat = HEARTBEAT_MS};
@@ -21,6 +22,7 @@ void control_release(void)
 	control.tl_locked = control.single = control.triggered = control.configuration = 0;
 	control.packet_size = PACKET_DO_NOT_FRAGMENT | stream_packet_size(1500);
 	words_streaming = false;
+	view_forget_client();
 }
 
 void control_poll(void)

@@ -8,7 +8,7 @@
 #include "hw.h"
 #include "ip.h"
 
-/* Of an acknowledge; UNFINISHED is none: the sensor's bus is at work. */
+/* Of an acknowledge; UNFINISHED is none: the sensor's bus or a commit is at work. */
 enum gvcp_status {
 	CONFIG_GVCP_STATUSES, UNFINISHED = 1
 };

@@ -4,6 +4,7 @@
 #include "gvcp_control.h"
 #include "hw.h"
 #include "stream.h"
+#include "view_matrix.h"
 #include "words.h"
 
 #define FIRE (1u << 31)
@@ -137,7 +138,7 @@ static uint32_t write_own(const struct feature *one, uint32_t value)
 {
 	struct receiver to;
 
-	if (value < one->low || value > one->high)
+	if (!feature_takes(one, value))
 		return INVALID_PARAMETER;
 	switch (one->id) {
 	case FEATURE_AcquisitionMode:
@@ -205,6 +206,8 @@ uint32_t gvcp_write_word(uint32_t address, uint32_t value, const struct udp_path
 	if (!control_is(peer))
 		return ACCESS_DENIED;
 	if (address - GVCP_CORRECTOR_BASE < GVCP_CORRECTOR_BYTES) {
+		if (!view_lets(address - GVCP_CORRECTOR_BASE, value))
+			return UNFINISHED;
 		reg_write(NCDC_BASE + (address - GVCP_CORRECTOR_BASE), value);
 		return SUCCESS;
 	}

@@ -14,6 +14,7 @@
 #include "stream.h"
 #include "table.h"
 #include "uart.h"
+#include "view_matrix.h"
 #include "watchdog.h"
 #include "words.h"
 
@@ -99,6 +100,7 @@ int main(void)
 		gvcp_poll();
 		table_poll();
 		auto_poll();
+		view_poll();
 		phy_poll();
 	}
 }

@@ -3,6 +3,7 @@
 #include "hw.h"
 #include "interrupt.h"
 #include "sensor.h"
+#include "view_matrix.h"
 
 #define PAGE 0xf000u		/* the system's words; the sensor's are below */
 
@@ -80,6 +81,10 @@ static uint32_t page_read(uint32_t address)
 	case WORD_LINE_TIME_LOWER: return LINE_TIME_NS & 0xffff;
 	case WORD_STREAMING: return words_streaming;
 	case WORD_FRAMES: return interrupt_frames(view.raw) & 0xffff;
+	case WORD_ABILITIES: return ABILITIES;
+	case WORD_PAN: case WORD_TILT: case WORD_ROLL: case WORD_ZOOM: return view_read(address);
+	case WORD_VIEW_FOCAL_UPPER: return view_focal() >> 16;
+	case WORD_VIEW_FOCAL_LOWER: return view_focal() & 0xffff;
 	}
 	if (address - FIELD_FIRST < sizeof FIELD / sizeof *FIELD)
 		return FIELD[address - FIELD_FIRST];
@@ -120,6 +125,8 @@ static enum refusal write_page(uint32_t address, uint32_t value)
 		return DONE;
 	case WORD_WIDTH: case WORD_HEIGHT: case WORD_OFFSET_X: case WORD_OFFSET_Y: case WORD_LENS:
 		return BAD_VALUE;	/* one size, one lens: there is no other value */
+	case WORD_PAN: case WORD_TILT: case WORD_ROLL: case WORD_ZOOM:
+		return view_write(address, value);
 	}
 	return READ_ONLY;
 }
@@ -223,6 +230,8 @@ uint32_t feature_read(const struct feature *one)
 
 	for (unsigned k = 0; k < one->parts; ++k, ++part)
 		value |= (word(part->address) & mask_of(part)) >> part->shift << part->low;
+	if (one->low < 0)
+		return (uint32_t)(int16_t)value;	/* signed numbers are in one word */
 	if (one->id == FEATURE_Gain)
 		return gain_eighths(value);
 	for (unsigned k = 0; k < one->count; ++k)
@@ -248,6 +257,13 @@ static enum refusal put(const struct feature *one, uint32_t value,
 	return refusal;
 }
 
+bool feature_takes(const struct feature *one, uint32_t value)
+{
+	if (one->low < 0)
+		return (int32_t)value >= one->low && (int32_t)value <= (int32_t)one->high;
+	return value >= (uint32_t)one->low && value <= one->high;
+}
+
 enum refusal feature_write(const struct feature *one, uint32_t value)
 {
 	if (one->count) {
@@ -258,7 +274,7 @@ enum refusal feature_write(const struct feature *one, uint32_t value)
 		if (k == one->count)
 			return BAD_VALUE;
 		value = one->choices[k].word;
-	} else if (value < one->low || value > one->high) {
+	} else if (!feature_takes(one, value)) {
 		return BAD_VALUE;
 	}
 	return put(one, one->id == FEATURE_Gain ? gain_number(value) : value, word_write);

@@ -29,7 +29,8 @@ struct feature {
 	uint8_t id;		/* enum feature_id of config.h */
 	char access;		/* 'r', 'w' or 'b' for both */
 	uint8_t first, parts;	/* of its parts in `feature_parts`; how many, 0 if it is in no word */
-	uint8_t low, count;	/* its minimum; how many choices */
+	uint8_t count;		/* how many choices */
+	int16_t low;		/* its minimum; below 0 the register has a sign */
 	uint32_t high;
 	const struct choice *choices;
 };
@@ -85,6 +86,9 @@ const struct feature *feature_of(enum feature_id id);
 /* Whether a word has a part of the feature. */
 bool feature_in(enum feature_id id, uint32_t address);
 uint32_t feature_read(const struct feature *one);
+
+/* Whether a number is between the limits of a feature without choices. */
+bool feature_takes(const struct feature *one, uint32_t value);
 enum refusal feature_write(const struct feature *one, uint32_t value);
 
 #endif

@@ -79,4 +79,5 @@ void machine_turn(void)
 	gvcp_poll();
 	table_poll();
 	auto_poll();
+	view_poll();
 }

@@ -18,6 +18,7 @@
 #include "sensor.h"
 #include "stream.h"
 #include "table.h"
+#include "view_matrix.h"
 #include "words.h"
 
 #define WORDS 0x20000		/* of the core's registers */

@@ -9,7 +9,8 @@
  * of a sum of colours to what it is with gains of 1 at capture;
  * "q OFFSET" asks for it; "e LEVEL LINES GAIN EXPOSURE GAIN LINES" and "w RED GREEN BLUE PIXELS RED GREEN
  * BLUE" ask for what the rules of auto.h say; "i ADDRESS" asks for a register of the sensor. The answer
- * to these begins with "v", in decimal.
+ * to these begins with "v", in decimal. "k NUMBERS" is a commit of the corrector, with the nine of its
+ * matrix.
  * The sensor's registers take what is written; at first they hold what the firmware would set them to.
  * Arguments, if there is an EEPROM: a file of its content, the bytes of an address in it, and how often
  * it does not answer at first.
@@ -137,8 +138,18 @@ uint32_t reg_read(uint32_t address)
 	return light && address - FRAMES_BASE < 0x10000000 ? grey() : machine_read(address);
 }
 
+static void show_commit(void)
+{
+	printf("k");
+	for (unsigned k = 0; k < 9; ++k)
+		printf(" %d", (int)core[CORRECTOR_VIEW / 4 + k]);
+	printf("\n");
+}
+
 void reg_write(uint32_t address, uint32_t value)
 {
+	if (address == NCDC_BASE + CORRECTOR_CTRL && value & CORRECTOR_COMMIT)
+		show_commit();
 	if (address == LINK_CONTROL && value & LINK_CONTROL_SEND)
 		printf("s\n");
 	else if (address == LINK_RESEND_LAST)

@@ -65,7 +65,7 @@ class TableServer(ncdc_table_users.TableServer):
         if half in ("UPPER", "LOWER"):
             return self._long(whole, user.frame) >> (16 if half == "UPPER" else 0) & 0xFFFF
         width, height = self._size()
-        # The others are 0: offsets, number of the lens, of the last lens, whether GVSP streams.
+        # The others are 0: offsets, lenses, whether GVSP streams, what can be written, a view.
         return {"SOURCE": int(self._corrected), "WIDTH": width, "WIDTH_MAX": width,
                 "HEIGHT": height, "HEIGHT_MAX": height, "FORMAT": self._formation(),
                 "FRAME_RATE": round(10 * self.sensor["frames_per_second"]),
@@ -77,7 +77,7 @@ class TableServer(ncdc_table_users.TableServer):
         if name in registers:
             return self.camera.get(registers[name])
         line_ns = round(1e9 * self.sensor["line_clocks"] / self.sensor["pixel_clock_hz"])
-        return {"LINE_TIME": line_ns, "NUMBER": last}[name]
+        return {"LINE_TIME": line_ns, "NUMBER": last}.get(name, 0)
 
     def write(self, address, value):
         """Write a word, if it can be written: what is read back says whether it was."""
