@@ -10,7 +10,12 @@ from dataclasses import dataclass
 from ipaddress import IPv4Address
 
 from ncdc_spec.protocols import gvcp
-from ncdc_spec.protocols.features import AUTO_FEATURES, FEATURES, VIEW_FEATURES
+from ncdc_spec.protocols.features import (
+    AUTO_FEATURES,
+    FEATURES,
+    VIEW_FEATURES,
+    VIEWS_FEATURES,
+)
 
 __all__ = ["PEERS", "Request", "requests"]
 
@@ -84,7 +89,7 @@ def _addresses():
     features = [(one.name, one.address, one.name in _STATE)
                 for one in (*FEATURES, *VIEW_FEATURES)
                 if one.address >= gvcp.FEATURE_BASE and one.name not in _BUS]
-    after = max(one.address for one in VIEW_FEATURES) + 4
+    after = max(one.address for one in VIEWS_FEATURES) + 4
     corrector = gvcp.CORRECTOR_BASE, gvcp.CORRECTOR_BYTES
     other = {
         "reserved word of discovery": (0x18, True), "word after discovery": (0xF8, True),

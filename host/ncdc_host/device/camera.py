@@ -9,12 +9,14 @@ import cv2
 import numpy as np
 
 from ncdc_host.device.auto_control import level_of
+from ncdc_host.device.composed import ComposedCorrection
 from ncdc_host.device.registers import Settings
 from ncdc_host.device.sensor import Exposure, expose
 from ncdc_model.correction import Correction, coloured
 from ncdc_model.golden.colour import ColourSums
 from ncdc_spec.colour import Colour
 from ncdc_spec.pixel_formats import PixelFormat, packed
+from ncdc_spec.view_layout import places
 from ncdc_spec.view_matrix import Angles, PlaneCamera, has_plane
 
 __all__ = ["Camera", "Frame", "Picture", "picture_of"]
@@ -90,7 +92,7 @@ class Camera:
         self._reset = time.monotonic_ns()
         self._lock = threading.Lock()           # of rendering and of what it keeps
         self._pictures = OrderedDict()
-        self._looking = None                    # the last view's correction, and what it is of
+        self._views = {}                        # corrections of the last views
         self._newest = None
         with registers.lock:
             self._anchor = (0, 0, registers.settings.rate_tenths)
@@ -174,8 +176,8 @@ class Camera:
         # Read noise repeats with the scene; a still photo has eight patterns of it.
         seed = position or number % 8
         key = (settings.view, settings.lens, id(corrections[settings.lens]), settings.exposure_ns,
-               settings.gain_eighths, settings.pattern, settings.colour, settings.angles, position,
-               seed)
+               settings.gain_eighths, settings.pattern, settings.colour, settings.layout,
+               settings.looks, position, seed)
         if key in self._pictures:
             self._pictures.move_to_end(key)
             return self._pictures[key]
@@ -188,16 +190,22 @@ class Camera:
         return picture
 
     def _looking_as(self, settings, correction):
-        """The :class:`Correction` of the view of ``settings``; the last one stays, for speed."""
+        """The correction into the views of ``settings``; those of the last ones stay, for speed."""
         lens = correction.descriptor
-        if (settings.angles == Angles() or settings.view.pixel_format.raw
-                or not has_plane(lens)):
+        if settings.view.pixel_format.raw or not has_plane(lens):
             return correction
-        if self._looking is None or self._looking[:2] != (correction, settings.angles):
-            self._looking = None        # frees the one before
-            self._looking = (correction, settings.angles, Correction(
-                lens, correction.model, PlaneCamera.of(lens).looking(settings.angles)))
-        return self._looking[2]
+        parts = places(settings.layout, lens.geometry.corrected)
+        if len(parts) == 1 and settings.looks[0] == Angles():
+            return correction
+        wanted = [(correction, look, part.size) for look, part in zip(settings.looks, parts)]
+        # Frees those of other views before new ones are made.
+        self._views = {key: view for key, view in self._views.items() if key in wanted}
+        for key in wanted:
+            if key not in self._views:
+                self._views[key] = Correction(lens, correction.model,
+                                              PlaneCamera.of(lens).looking(*key[1:]))
+        views = [self._views[key] for key in wanted]
+        return views[0] if len(views) == 1 else ComposedCorrection(lens, views, parts)
 
     def raw(self, settings, position, seed):
         """The whole raw frame of those settings as capture stores it, not mirrored."""

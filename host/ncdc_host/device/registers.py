@@ -19,12 +19,21 @@ from ncdc_spec.protocols.features import (
     register_number,
     system_word,
 )
-from ncdc_spec.protocols.table_one import MIRRORS, RATE, SYSTEM_PAGE, SYSTEM_WORDS, VIEW, WINDOW
+from ncdc_spec.protocols.table_one import (
+    MIRRORS,
+    RATE,
+    SYSTEM_PAGE,
+    SYSTEM_WORDS,
+    VIEW,
+    VIEWS,
+    WINDOW,
+)
 from ncdc_spec.sensors.catalogue import controlled_sensor, line_ns, window
 from ncdc_spec.sensors.controls import number_in
 from ncdc_spec.sensors.field import FULL
 from ncdc_spec.sensors.framing import field_values, setup_around
 from ncdc_spec.sensors.sensor import Settings as Window
+from ncdc_spec.view_layout import LAYOUTS, MAX_SHOWN, places
 from ncdc_spec.view_matrix import Angles, PlaneCamera, has_plane
 
 __all__ = ["Rejected", "Registers", "Settings", "View"]
@@ -107,7 +116,8 @@ class Settings:
     pattern: str
     rate_tenths: int
     colour: Colour = Colour()
-    angles: Angles = Angles()
+    layout: str = LAYOUTS[0]
+    looks: tuple = (Angles(),)          # of the layout's views
 
 
 class Registers:
@@ -157,9 +167,11 @@ class Registers:
         self._streaming = False
         self._colour = Colour()
         self._planes = list(planes)     # None of a lens that does not state it
-        self._angles = {one.name: round(getattr(Angles(), one.name.lower()) * one.scale[1])
-                        for one in _ANGLES}
-        self._abilities = WINDOW | MIRRORS | RATE | (VIEW if planes else 0)
+        # Numbers of the angles of each view.
+        self._looks = [{one.name: round(getattr(Angles(), one.name.lower()) * one.scale[1])
+                        for one in _ANGLES}] * MAX_SHOWN
+        self._layout = self._selected = 0
+        self._abilities = WINDOW | MIRRORS | RATE | (VIEW | VIEWS if planes else 0)
         self.auto = dict.fromkeys(AUTO_FEATURES, OFF)
         self.controlled = False
         self._sensor = controlled_sensor(sensor)
@@ -212,7 +224,8 @@ class Registers:
             pattern = controls.pattern_named(number_in(controls.pattern, self._word))
             return Settings(self._view, self._lens, self.lines * self._line_ns(),
                             self._of_sensor("Gain"), pattern, self._rate, self._colour,
-                            _angles_of(self._angles))
+                            LAYOUTS[self._layout], tuple(
+                                _angles_of(numbers) for numbers, _ in self._shown()))
 
     @property
     def lines(self):
@@ -275,8 +288,7 @@ class Registers:
         with self.lock:
             if self.has_view:
                 plane = PlaneCamera.of(descriptor) if has_plane(descriptor) else None
-                if plane:
-                    plane.looking(_angles_of(self._angles))
+                self._look([plane], self._looks, self._layout)
                 self._planes[number] = plane
 
     def _change(self):
@@ -340,7 +352,9 @@ class Registers:
             "STREAMING": int(self._streaming), "FRAMES": 0, "ABILITIES": self._abilities,
             **self._field}
         if self._planes:
-            values |= {name.upper(): number & 0xFFFF for name, number in self._angles.items()}
+            values |= {name.upper(): number & 0xFFFF
+                       for name, number in self._looks[self._selected].items()}
+            values |= {"VIEW_LAYOUT": self._layout, "VIEW_SELECTED": self._selected}
         for name, value in (("LINE_TIME", line), ("DROPPED", self.dropped), ("TORN", self.torn),
                             ("VIEW_FOCAL", self._focal())):
             values[f"{name}_UPPER"], values[f"{name}_LOWER"] = value >> 16 & 0xFFFF, value & 0xFFFF
@@ -410,7 +424,16 @@ class Registers:
                 raise Rejected("value")
             self._lens = value
         elif address in _ANGLE_OF and self._planes:
-            self._angles = self._turned(_ANGLE_OF[address], value)
+            self._looks = self._turned(_ANGLE_OF[address], value)
+        elif name == "VIEW_LAYOUT" and self._planes:
+            if value >= len(LAYOUTS):
+                raise Rejected("value")
+            self._check(self._looks, value)
+            self._layout = value
+        elif name == "VIEW_SELECTED" and self._planes:
+            if value >= MAX_SHOWN:
+                raise Rejected("value")
+            self._selected = value
         else:
             raise Rejected("read only")
 
@@ -423,17 +446,33 @@ class Registers:
         return view
 
     def _turned(self, one, word):
-        """The angles with another one, whose ``word`` is given; each lens can look there."""
+        """The angles of all views with another one of the selected view, whose ``word`` is given;
+        each lens can look there."""
         number = one.register(lambda _: word)
-        wanted = self._angles | {one.name: number}
         if not one.low <= number <= one.high:
             raise Rejected("value")
+        looks = list(self._looks)
+        looks[self._selected] = looks[self._selected] | {one.name: number}
+        self._check(looks, self._layout)
+        return looks
+
+    def _shown(self, looks=None, layout=None):
+        """Numbers of the angles, and :class:`Place`, of each view of the layout."""
+        layout = LAYOUTS[self._layout if layout is None else layout]
+        return zip(looks or self._looks, places(layout, self._geometry.corrected))
+
+    def _look(self, planes, looks, layout):
+        """Raise :class:`InputError` unless lenses of these ``planes`` can look there."""
+        for plane in filter(None, planes):
+            for numbers, place in self._shown(looks, layout):
+                plane.looking(_angles_of(numbers), place.size)
+
+    def _check(self, looks, layout):
+        """Raise :class:`Rejected` unless each lens can look there."""
         try:
-            for plane in filter(None, self._planes):
-                plane.looking(_angles_of(wanted))
+            self._look(self._planes, looks, layout)
         except InputError:
             raise Rejected("value") from None
-        return wanted
 
     def _reformatted(self, mraw):
         try:

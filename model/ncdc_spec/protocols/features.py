@@ -12,15 +12,16 @@ from ncdc_spec.eeprom import STATES
 from ncdc_spec.pixel_formats import PIXEL_FORMATS
 from ncdc_spec.protocols import auto_control, gvsp
 from ncdc_spec.protocols.gvcp import BOOTSTRAP, FEATURE_BASE
-from ncdc_spec.protocols.table_one import MIRRORS, RATE, SYSTEM_WORDS, VIEW, WINDOW
+from ncdc_spec.protocols.table_one import MIRRORS, RATE, SYSTEM_WORDS, VIEW, VIEWS, WINDOW
 from ncdc_spec.sensors.controls import Gain, Part, number_in
 from ncdc_spec.sensors.grid import MAX_REDUCTION
 from ncdc_spec.sensors.mt9p031 import SENSOR
+from ncdc_spec.view_layout import LAYOUTS, MAX_SHOWN
 from ncdc_spec.view_matrix import LIMITS
 from ncdc_spec.white_balance import LARGEST_GAIN, UNITY
 
-__all__ = ["AUTO_FEATURES", "FEATURES", "Choice", "Feature", "VIEW_FEATURES", "feature",
-           "features_of", "features_with", "register_number", "system_word"]
+__all__ = ["AUTO_FEATURES", "FEATURES", "Choice", "Feature", "VIEWS_FEATURES", "VIEW_FEATURES",
+           "feature", "features_of", "features_with", "register_number", "system_word"]
 
 _SYSTEM = {word.name: word.address for word in SYSTEM_WORDS}
 _BOOTSTRAP = {register.name: register.address for register in BOOTSTRAP}
@@ -72,8 +73,8 @@ class Feature:
     locked_by : str
         Name of an enumeration; while that is not Off, the device alone writes this feature. Empty
         if there is none.
-    selects : str
-        Name of the feature whose instances this one selects, empty if it selects nothing.
+    selects : tuple of str
+        Names of the features whose instances this one selects.
     needs_colour : bool
         Whether only devices whose corrector has gains of the colours show it.
     parts : tuple of Part
@@ -104,7 +105,7 @@ class Feature:
     choices: tuple = ()
     locked: bool = False
     locked_by: str = ""
-    selects: str = ""
+    selects: tuple = ()
     needs_colour: bool = False
     parts: tuple = ()
     gain: Gain = None
@@ -267,7 +268,7 @@ _ALL = (
             "means.", "AnalogControl", high=auto_control.CONTINUOUS,
             choices=_AUTO, needs_colour=True),
     Feature("BalanceRatioSelector", "enumeration", _own(39), "Colour that BalanceRatio is of.",
-            "AnalogControl", high=len(_RATIOS) - 1, choices=_RATIOS, selects="BalanceRatio",
+            "AnalogControl", high=len(_RATIOS) - 1, choices=_RATIOS, selects=("BalanceRatio",),
             needs_colour=True),
     Feature("BalanceRatio", "float", _own(40), "Gain of a colour's raw samples, before "
             "interpolation, a factor: raw frames have it too.", "AnalogControl", low=1,
@@ -329,7 +330,8 @@ _ABILITIES = {WINDOW: ("Width", "Height", "OffsetX", "OffsetY"), MIRRORS: ("Reve
 
 
 def features_with(features, abilities):
-    """``features``, and :data:`VIEW_FEATURES`, as a device of those ``abilities`` has them.
+    """``features``, :data:`VIEW_FEATURES` and :data:`VIEWS_FEATURES`, as a device of those
+    ``abilities`` has them.
 
     Parameters
     ----------
@@ -343,7 +345,8 @@ def features_with(features, abilities):
     found = tuple(one if one.name not in missing else
                   replace(one, lacking=True) if missing[one.name] == MIRRORS else
                   replace(one, access="ro") for one in features)
-    return found + (VIEW_FEATURES if abilities & VIEW else ())
+    return (found + (VIEW_FEATURES if abilities & VIEW else ())
+            + (VIEWS_FEATURES if abilities & VIEWS else ()))
 
 
 def _looking(name, index, text, steps, unit="deg"):
@@ -366,7 +369,19 @@ VIEW_FEATURES = (
 """Further features of a device whose corrector has a view, and whose lenses state their focal
 length."""
 
-_BY_NAME = {feature.name: feature for feature in (*FEATURES, *VIEW_FEATURES)}
+VIEWS_FEATURES = (
+    Feature("ViewLayout", "enumeration", _own(46), "Views in a corrected picture: one, four of "
+            "equal size, or one with a second one in its corner.", "NcdcControl",
+            choices=tuple(Choice(name, k, k) for k, name in enumerate(LAYOUTS)),
+            parts=_word("VIEW_LAYOUT")),
+    Feature("ViewSelector", "enumeration", _own(47), "View that Pan, Tilt, Roll and Zoom are of, "
+            "by its position: rows from the top, each from the left.", "NcdcControl",
+            choices=tuple(Choice(f"View{k}", k, k) for k in range(MAX_SHOWN)),
+            selects=("Pan", "Tilt", "Roll", "Zoom"), parts=_word("VIEW_SELECTED")),
+)
+"""Further features of a device that shows several views in one picture."""
+
+_BY_NAME = {feature.name: feature for feature in (*FEATURES, *VIEW_FEATURES, *VIEWS_FEATURES)}
 
 AUTO_FEATURES = tuple(one.name for one in FEATURES if one.choices == _AUTO)
 

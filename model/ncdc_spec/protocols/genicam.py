@@ -93,7 +93,9 @@ def _node(root, one):
     elif one.kind == "boolean":
         _values(node, pValue=register, OnValue=1, OffValue=0)
     elif one.kind == "enumeration":
-        _values(node, pValue=register, **({"pSelected": one.selects} if one.selects else {}))
+        _values(node, pValue=register)
+        for selected in one.selects:
+            _values(node, pSelected=selected)
     elif one.kind == "float":
         _float(root, node, one, register)
     else:

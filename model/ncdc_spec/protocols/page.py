@@ -4,7 +4,7 @@ from importlib.resources import files
 
 from ncdc_spec.pixel_formats import PIXEL_FORMATS
 from ncdc_spec.protocols import auto_control, gvcp, gvsp, table_one, table_two
-from ncdc_spec.protocols.features import FEATURES, VIEW_FEATURES, features_of
+from ncdc_spec.protocols.features import FEATURES, VIEW_FEATURES, VIEWS_FEATURES, features_of
 from ncdc_spec.protocols.gvcp_tables import COMMANDS, STATUSES
 from ncdc_spec.sensors.catalogue import SENSORS
 
@@ -34,7 +34,7 @@ def protocols_doc():
         formats=_rows((f"0x{f.mraw:02X}", f.name, f"0x{f.pfnc:08X}", str(f.pixel_bytes), f.text)
                       for f in PIXEL_FORMATS),
         features=_rows(map(_feature, FEATURES)),
-        view_features=_rows(map(_feature, VIEW_FEATURES)),
+        view_features=_rows(map(_feature, (*VIEW_FEATURES, *VIEWS_FEATURES))),
         samples=auto_control.SAMPLES, target=auto_control.TARGET // 16,
         band=f"{auto_control.BAND / 16:g}", step=auto_control.STEP_FACTOR,
         balance=auto_control.BALANCE_BAND, dark=auto_control.BALANCE_DARK,

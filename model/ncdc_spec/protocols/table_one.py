@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 __all__ = ["COMMANDS", "Command", "IDLE_SECONDS", "MAX_USERS", "MIRRORS", "MRAW", "RATE", "READ",
            "REQUEST", "RESERVED", "SYSTEM_PAGE", "SYSTEM_WORDS", "SystemWord", "TCP_PORT",
-           "UNKNOWN", "VIEW", "WINDOW", "WRITE", "server_settings"]
+           "UNKNOWN", "VIEW", "VIEWS", "WINDOW", "WRITE", "server_settings"]
 
 TCP_PORT = 4000
 MAX_USERS = 16          # connections at once that a device accepts; at least 8 are promised
@@ -103,7 +103,7 @@ SYSTEM_WORDS = (
                "its registers"),
     SystemWord("ABILITIES", 0xF01C, "ro", "what this device lets be written. Bit 0: `WIDTH`, "
                "`HEIGHT`, `OFFSET_X`, `OFFSET_Y`; bit 1: the sensor's mirrors; bit 2: "
-               "`FRAME_RATE`; bit 3: `PAN` to `ZOOM`, a view"),
+               "`FRAME_RATE`; bit 3: `PAN` to `ZOOM`, a view; bit 4: `VIEW_LAYOUT`, several views"),
     SystemWord("PAN", 0xF01D, "rw", "direction of the view to the right, hundredths of a degree, "
                "two's complement"),
     SystemWord("TILT", 0xF01E, "rw", "the same, upwards"),
@@ -112,6 +112,9 @@ SYSTEM_WORDS = (
     SystemWord("VIEW_FOCAL_UPPER", 0xF021, "ro", "focal length of corrected pictures at a zoom of "
                "1, hundredths of a pixel, bits 31..16"),
     SystemWord("VIEW_FOCAL_LOWER", 0xF022, "ro", "and bits 15..0"),
+    SystemWord("VIEW_LAYOUT", 0xF023, "rw", "views of a corrected picture: 0 one, 1 four of equal "
+               "size, 2 one with a second one in its corner"),
+    SystemWord("VIEW_SELECTED", 0xF024, "rw", "number of the view that `PAN` to `ZOOM` are of"),
 )
 
-WINDOW, MIRRORS, RATE, VIEW = 1, 2, 4, 8        # bits of ABILITIES
+WINDOW, MIRRORS, RATE, VIEW, VIEWS = 1, 2, 4, 8, 16     # bits of ABILITIES
