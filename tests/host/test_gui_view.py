@@ -4,12 +4,10 @@ import math
 
 import pytest
 from PySide6.QtCore import QPoint, QPointF, Qt
-from PySide6.QtGui import QWheelEvent
 from PySide6.QtTest import QTest
-from PySide6.QtWidgets import QApplication
 
 from devices import SIZE, view_lens
-from guis import SECONDS, announced, pixels_of, tab_on, url_of
+from guis import SECONDS, announced, drag, pixels_of, tab_on, url_of, wheel
 from ncdc_host.gui.main_window import MainWindow
 from ncdc_model.example import noise_picture
 from ncdc_model.golden.corrector import correct
@@ -27,22 +25,6 @@ def tab(qtbot):
 
 def angles(tab):
     return {name: tab.infos[name].value for name in ("Pan", "Tilt", "Roll", "Zoom")}
-
-
-def drag(view, *points):
-    """Drag from the first point through the others, in pixels of the widget."""
-    QTest.mousePress(view, Qt.MouseButton.LeftButton, pos=points[0])
-    for point in points[1:]:
-        QTest.mouseMove(view, point)
-        QApplication.processEvents()
-    QTest.mouseRelease(view, Qt.MouseButton.LeftButton, pos=points[-1])
-
-
-def wheel(view, steps):
-    at = QPointF(view.rect().center())
-    QApplication.sendEvent(view, QWheelEvent(
-        at, view.mapToGlobal(at), QPoint(), QPoint(0, 120 * steps), Qt.MouseButton.NoButton,
-        Qt.KeyboardModifier.NoModifier, Qt.ScrollPhase.NoScrollPhase, False))
 
 
 def until(qtbot, tab, **wanted):

@@ -3,12 +3,17 @@
 from contextlib import contextmanager
 
 import numpy as np
+from PySide6.QtCore import QPoint, QPointF, Qt
+from PySide6.QtGui import QWheelEvent
+from PySide6.QtTest import QTest
+from PySide6.QtWidgets import QApplication
 
 from devices import device
 from ncdc_host.device.emulated import Announcer
 from ncdc_host.gui.device_tab import DeviceTab
 
-__all__ = ["SECONDS", "announced", "other_transport", "pixels_of", "tab_on", "url_of"]
+__all__ = ["SECONDS", "announced", "drag", "other_transport", "pixels_of", "tab_on", "url_of",
+           "wheel"]
 
 SECONDS = 20_000        # ms that anything may take on a busy machine
 
@@ -61,3 +66,20 @@ def pixels_of(image):
     image = image.convertToFormat(image.Format.Format_RGB888)
     rows = np.frombuffer(image.constBits(), np.uint8).reshape(image.height(), -1)
     return rows[:, :3 * image.width()].reshape(image.height(), image.width(), 3).copy()
+
+
+def drag(view, *points):
+    """Drag from the first point through the others, in pixels of the widget."""
+    QTest.mousePress(view, Qt.MouseButton.LeftButton, pos=points[0])
+    for point in points[1:]:
+        QTest.mouseMove(view, point)
+        QApplication.processEvents()
+    QTest.mouseRelease(view, Qt.MouseButton.LeftButton, pos=points[-1])
+
+
+def wheel(view, steps):
+    """Turn the wheel in the middle of the widget."""
+    at = QPointF(view.rect().center())
+    QApplication.sendEvent(view, QWheelEvent(
+        at, view.mapToGlobal(at), QPoint(), QPoint(0, 120 * steps), Qt.MouseButton.NoButton,
+        Qt.KeyboardModifier.NoModifier, Qt.ScrollPhase.NoScrollPhase, False))

@@ -120,6 +120,8 @@ class DeviceTab(TabWidgets):
             return self.bar.modes[action].isEnabled()
         if action in ("loader.ask", "loader.calibrate", "loader.calibrate_live"):
             return self.lenses.isEnabled()
+        if action == "steering.show":
+            return self._state == "open" and self.steering.several
         if action.startswith("steering."):
             return self._state == "open" and self.steering.possible
         if action == "take_again":

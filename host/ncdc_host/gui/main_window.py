@@ -27,6 +27,9 @@ _SIZE = 1280, 820
 _DEVICES = 200          # width of the list of devices
 # Width, in pixels of the desktop's scale, from which on there is space for each panel by itself.
 _WIDE = {"devices": 1040, "settings": 860}
+# Of the device's views: menu entry and key.
+_LAYOUTS = {"Single": ("&One view", "Ctrl+1"), "Quad": ("Fo&ur views", "Ctrl+2"),
+            "Detail": ("Overview and &detail", "Ctrl+3")}
 _END = 3.0              # seconds that devices may take to give control back at the end
 _MARKS = {"open": "", "watching": " (watching)", "waiting": " …", "trouble": " !"}
 _WELCOME = """<h2>NCDC</h2>
@@ -121,6 +124,9 @@ class MainWindow(QMainWindow):
         menu.addSeparator()
         self._add_of_tab(menu, "&Move the device's view", "V", "steering.toggle")
         self._add_of_tab(menu, "&Reset the device's view", "Home", "steering.reset")
+        for layout, (text, key) in _LAYOUTS.items():
+            self.of_tab.append((self._add(menu, text, key, lambda layout=layout:
+                                          self.tab.steering.show(layout)), "steering.show"))
         menu.addSeparator()
         self.panels = {}
         for name, text, key in (("devices", "&Devices", "F8"), ("settings", "S&ettings", "F9")):

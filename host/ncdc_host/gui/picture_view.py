@@ -18,6 +18,7 @@ _GRIP = 9               # pixels around the wipe's line that take hold of it
 _ARROWS = {Qt.Key.Key_Left: (-1, 0), Qt.Key.Key_Right: (1, 0), Qt.Key.Key_Up: (0, -1),
            Qt.Key.Key_Down: (0, 1)}
 _BACKGROUND = QColor(38, 40, 43)
+_OUTLINE = QPen(QColor(0, 0, 0, 140), 3), QPen(QColor(255, 255, 255), 1)
 
 
 class PictureView(QWidget):
@@ -29,16 +30,17 @@ class PictureView(QWidget):
 
     Signals
     -------
-    dragged(QPointF), pushed(QPointF), wheeled(float)
-        While it steers: how far the picture was dragged, in its pixels; the direction of an arrow
-        key; steps of the wheel.
+    dragged(QPointF, QPointF), pushed(QPointF), wheeled(float, QPointF)
+        While it steers: how far the picture was dragged, and from where on, in its pixels; the
+        direction of an arrow key; steps of the wheel, and at which pixel.
     pointed(QPoint, str)
         Pixel under the cursor, (-1, -1) if there is none, and its colour.
     scaled(float or None)
         Screen pixels per pixel; None while there is no picture.
     """
     pointed, scaled = Signal(QPoint, str), Signal(object)
-    dragged, pushed, wheeled = Signal(QPointF), Signal(QPointF), Signal(float)
+    dragged, pushed = Signal(QPointF, QPointF), Signal(QPointF)
+    wheeled = Signal(float, QPointF)
 
     def __init__(self):
         super().__init__()
@@ -46,9 +48,9 @@ class PictureView(QWidget):
         self.mode, self.text = "after", ""
         self.wipe = 0.5             # the line's position, a share of the picture's width
         self.shade = False          # the picture is an old one
-        self.steers = False
+        self.steers, self._outline = False, None
         self._scale, self._middle = None, QPointF(0.5, 0.5)
-        self._drag = None
+        self._drag, self._start = None, QPointF()
         self.setMouseTracking(True)
         self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
         self.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Expanding)
@@ -70,6 +72,12 @@ class PictureView(QWidget):
         """Paint another raw frame to compare with."""
         self.still = image
         self.update()
+
+    def show_outline(self, rect):
+        """Mark a part of the live picture, a QRectF in its pixels; None: no part."""
+        if rect != self._outline:
+            self._outline = rect
+            self.update()
 
     def set_mode(self, mode):
         """One of :data:`MODES`."""
@@ -167,6 +175,11 @@ class PictureView(QWidget):
         return QPointF((point.x() - rect.left()) / rect.width(),
                        (point.y() - rect.top()) / rect.height())
 
+    def _pixel(self, point):
+        """Position of a point in the picture, in its pixels."""
+        share, (width, height) = self._share(point), self._size()
+        return QPointF(share.x() * width, share.y() * height)
+
     def _keep_inside(self):
         self._middle = QPointF(min(max(self._middle.x(), 0), 1), min(max(self._middle.y(), 0), 1))
 
@@ -186,12 +199,23 @@ class PictureView(QWidget):
                 painter.drawImage(self._rect(area), image)
         if self.mode == "wipe" and self.still is not None and self.live is not None:
             self._paint_wipe(painter)
+        if self._outline is not None:
+            self._paint_outline(painter)
         painter.setClipping(False)
         if self.shade:
             painter.fillRect(self.rect(), QColor(38, 40, 43, 170))
         self._paint_names(painter, areas)
         if self.text:
             self._paint_text(painter)
+
+    def _paint_outline(self, painter):
+        rect, scale = self.picture_rect(), self.scale
+        part = QRectF(rect.topLeft() + scale * self._outline.topLeft(),
+                      scale * self._outline.size()).intersected(rect)
+        painter.setBrush(Qt.BrushStyle.NoBrush)
+        for pen in _OUTLINE:
+            painter.setPen(pen)
+            painter.drawRect(part.adjusted(1, 1, -2, -2))
 
     def _line(self):
         rect = self._rect(self.rect())
@@ -250,7 +274,7 @@ class PictureView(QWidget):
     def wheelEvent(self, event):
         steps = event.angleDelta().y() / 120
         if steps and self.steers:
-            self.wheeled.emit(steps)
+            self.wheeled.emit(steps, self._pixel(event.position()))
         elif steps:
             self.zoom(_STEP**steps, event.position())
 
@@ -259,6 +283,7 @@ class PictureView(QWidget):
             return
         on_line = self.mode == "wipe" and abs(event.position().x() - self._line()) <= _GRIP
         self._drag = "line" if on_line else event.position()
+        self._start = self._pixel(event.position())
         if not on_line:
             self.setCursor(Qt.CursorShape.ClosedHandCursor)
 
@@ -268,7 +293,7 @@ class PictureView(QWidget):
             rect = self._rect(self.rect())
             self.set_wipe((point.x() - rect.left()) / rect.width())
         elif self._drag is not None and self.steers:
-            self.dragged.emit((point - self._drag) / self.scale)
+            self.dragged.emit((point - self._drag) / self.scale, self._start)
             self._drag = point
         elif self._drag is not None:
             rect = self._rect(self._areas()[0])

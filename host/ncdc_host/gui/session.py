@@ -32,7 +32,7 @@ SHOWN = ("WidthMax", "HeightMax", "Width", "Height", "OffsetX", "OffsetY", "Pixe
          "ReverseX", "ReverseY", "TestPattern", "AcquisitionFrameRate", "LineTime",
          "ExposureAuto", "GainAuto", "BalanceWhiteAuto",
          "ExposureTime", "Gain", "CorrectionEnable", "LensSelector", "LensMax", "FramesDropped",
-         "FramesTorn", "Pan", "Tilt", "Roll", "Zoom", "ViewFocal")
+         "FramesTorn", "Pan", "Tilt", "Roll", "Zoom", "ViewFocal", "ViewLayout", "ViewSelector")
 
 
 @dataclass(frozen=True)

@@ -16,6 +16,7 @@ from PySide6.QtWidgets import (
 
 from ncdc_host.client.view_state import CORRECTION, WINDOW
 from ncdc_host.gui.number_editor import NumberEditor
+from ncdc_host.gui.shown_views import LAYOUT, SELECTOR, ShownViews
 
 __all__ = ["SettingsPanel"]
 
@@ -27,6 +28,7 @@ _PATTERNS = {
 _FORMATS = {"BGR8": "Colour, 24 bit (BGR8)", "BGRa8": "Colour, 32 bit (BGRa8)",
             "Mono8": "Brightness (Mono8)"}
 _AUTO = {"Off": "Off", "Once": "Once, then off", "Continuous": "Always"}
+_LAYOUTS = {"Single": "One", "Quad": "Four", "Detail": "Overview and detail"}
 _SHARES = {"Whole picture": 1.0, "Three quarters": 0.75, "Half": 0.5, "Quarter": 0.25}
 _OTHER = "Other window"
 _SLIDER_MAX_MS = 1000   # of the exposure: longer ones are typed
@@ -126,7 +128,11 @@ class SettingsPanel(QWidget):
     def _look_group(self):
         """What is shown only of a device with a view."""
         group = QGroupBox("View")
-        form, self.looks = _form(group), {}
+        self._look_form = form = _form(group)
+        self.layout_box, self.looks = self._combo(LAYOUT, "Views"), {}
+        self.selector = self._combo(SELECTOR, "Selected view")
+        form.addRow("&Views", self.layout_box)
+        form.addRow("Selected", self.selector)
         for name, label in (("Pan", "P&an"), ("Tilt", "T&ilt"), ("Roll", "R&oll"),
                             ("Zoom", "&Zoom")):
             editor = (NumberEditor(name, 3, "×", "log") if name == "Zoom" else
@@ -170,7 +176,19 @@ class SettingsPanel(QWidget):
         shown = {name: info for name, info in infos.items() if name not in self._waiting}
         self._show_sensor(shown)
         self._show_picture(shown)
-        self.look_group.setVisible("Pan" in infos)
+        self._show_looks(shown)
+
+    def _show_looks(self, shown):
+        self.look_group.setVisible("Pan" in self._infos)
+        several = LAYOUT in self._infos
+        count = len(ShownViews(self._infos).places) if several else 1
+        self._look_form.setRowVisible(self.layout_box, several)
+        self._look_form.setRowVisible(self.selector, count > 1)
+        if info := shown.get(LAYOUT):
+            _show_choice(self.layout_box, info.choices, info.value, _LAYOUTS)
+        if info := shown.get(SELECTOR):
+            _show_choice(self.selector, info.choices[:count], info.value,
+                         {name: f"View {k}" for k, name in enumerate(info.choices, 1)})
         for name, editor in self.looks.items():
             if info := shown.get(name):
                 editor.show_value(info.value, info.minimum, info.maximum, 0.1)
