@@ -47,6 +47,11 @@ def test_four_views(client):
     parts = [part(angles, (32, 24)) for angles in LOOKS]
     wanted = np.vstack([np.hstack(parts[:2]), np.hstack(parts[2:])])
     np.testing.assert_array_equal(picture(client), wanted)
+    valid = [~correct(LENS, RAW, view=PlaneCamera.of(LENS).looking(angles, (32, 24))).blank
+             for angles in LOOKS]
+    sums = client.emulated.camera.newest().sums
+    assert sums.pixels == np.sum(valid) < np.size(valid)
+    assert sums.red == sum(int(one[seen][:, 0].sum()) for one, seen in zip(parts, valid))
     client.set("ReverseX", True)
     client.set("Width", 40)
     np.testing.assert_array_equal(picture(client), wanted[:, ::-1][:, :40])

@@ -34,7 +34,14 @@ _PANELS = (("from above", "x: right", "z: forward", "pan", -1),
 _FRAMES, _READOUT, _FPS = 12, 0.016, 30.0
 _CROP = np.s_[120:360, 160:480]         # of the corrected picture
 _QUALITY = 86           # of JPEG
-_ADDRESS, _ANGLES = "127.0.0.77", {"Pan": -17.0, "Tilt": 8.0, "Roll": 5.0, "Zoom": 1.6}
+_ADDRESS = "127.0.0.77"
+# Of the window: layout of its views, and the angles of each.
+_WINDOWS = {
+    "window-view.jpg": ("Single", ({"Pan": -17.0, "Tilt": 8.0, "Roll": 5.0, "Zoom": 1.6},)),
+    "window-views.jpg": ("Quad", ({"Pan": -17.0, "Tilt": 8.0, "Zoom": 1.6},
+                                  {"Pan": 20.0, "Tilt": 6.0, "Zoom": 1.8},
+                                  {"Zoom": 3.0}, {"Zoom": 1.0})),
+    "window-detail.jpg": ("Detail", ({}, {"Pan": -12.0, "Tilt": 5.0, "Zoom": 3.0}))}
 _TIMEOUT = 30           # s
 
 
@@ -84,8 +91,8 @@ def _shaking(folder, camera, lens):
                 [cv2.IMWRITE_JPEG_QUALITY, _QUALITY])
 
 
-def _window(folder, camera, lens):
-    """The window, with the view of an emulated device moved."""
+def _windows(folder, camera, lens):
+    """The window, with the views of an emulated device moved."""
     import time
 
     from PySide6.QtWidgets import QApplication
@@ -109,16 +116,26 @@ def _window(folder, camera, lens):
         tab = window.open_device(f"gige://{_ADDRESS}", name="hall camera")
         until(lambda: tab.shown and tab.infos)
         tab.bar.steer.click()
-        for name, value in _ANGLES.items():
-            tab.set_feature(name, value)
-        until(lambda: all(abs(tab.infos[name].value - value) < .01
-                          for name, value in _ANGLES.items()))
-        number = tab.shown.frame.number
-        until(lambda: tab.shown.frame.number > number + 2)
-        tab.panel.ensureWidgetVisible(tab.settings.look_group)
-        for _ in range(10):
-            application.processEvents()
-        window.grab().save(str(folder / "window-view.jpg"), quality=_QUALITY)
+
+        def reached(name, value):
+            found = tab.infos[name].value
+            return found == value if isinstance(value, str) else abs(found - value) < .01
+
+        def choose(**values):
+            for name, value in values.items():
+                tab.set_feature(name, value)
+            until(lambda: all(reached(*pair) for pair in values.items()))
+        for name, (layout, looks) in _WINDOWS.items():
+            choose(ViewLayout=layout)
+            for k, angles in enumerate(looks):
+                choose(ViewSelector=f"View{k}")
+                choose(**{"Pan": 0.0, "Tilt": 0.0, "Roll": 0.0, "Zoom": 1.0, **angles})
+            number = tab.shown.frame.number
+            until(lambda number=number: tab.shown.frame.number > number + 3)
+            tab.panel.ensureWidgetVisible(tab.settings.look_group)
+            for _ in range(10):
+                application.processEvents()
+            window.grab().save(str(folder / name), quality=_QUALITY)
         window.close()
         until(lambda: not tab.session._thread.is_alive())
 
@@ -130,7 +147,7 @@ def draw(folder):
     camera = example_camera()
     lens = trained_lens(camera)
     _shaking(folder, camera, lens)
-    _window(folder, camera, lens)
+    _windows(folder, camera, lens)
 
 
 if __name__ == "__main__":
