@@ -131,12 +131,12 @@ class Corrector(wiring.Component):
                                          self.fetch.window_latency)
         rows = registers(descriptor.hidden_neurons, formats, descriptor.nodes, hardware.colour,
                          hardware.raw_balance, hardware.view, hardware.views, hardware.view_rows)
+        constants = {"DIGEST": int(descriptor.digest[:8], 16),
+                     "NEURONS": descriptor.hidden_neurons, "NODES": descriptor.nodes,
+                     **capabilities(self.hardware, *self.table.largest, capture=runs)}
         self.registers = Registers(
-            rows, host_values(descriptor, self.hardware), digest=int(descriptor.digest[:8], 16),
-            hidden_neurons=descriptor.hidden_neurons, nodes=descriptor.nodes,
-            capabilities=capabilities(self.hardware, *self.table.largest, capture=runs),
-            view_rows=hardware.view_rows,
-            in_memory=in_memory(rows, self.hardware),
+            rows, host_values(descriptor, self.hardware), constants,
+            view_rows=hardware.view_rows, in_memory=in_memory(rows, self.hardware),
             neurons=self.hardware.served(descriptor.hidden_neurons))
         self.checks = Checks(self.hardware, *self.table.largest,
                              self.registers.active.shape())

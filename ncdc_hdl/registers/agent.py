@@ -59,14 +59,8 @@ class Registers(wiring.Component):
     table : sequence of Register
     values : dict
         Values after configuration, by name; zero where absent.
-    digest : int
-        Read back as DIGEST.
-    hidden_neurons : int
-        Read back as NEURONS.
-    capabilities : dict
-        Values of CAPABILITIES and LARGEST.
-    nodes : int
-        Distance of the nodes, read back as NODES if ``table`` has that register.
+    constants : dict
+        What DIGEST, NEURONS, NODES, CAPABILITIES and LARGEST read, by these names.
     in_memory : sequence of Register
         Registers of ``table`` that are in memories, the same for each hidden neuron.
     neurons : int
@@ -112,8 +106,7 @@ class Registers(wiring.Component):
     interrupt_latency = 1
     """Clocks from ``ended`` to ``irq``."""
 
-    def __init__(self, table, values, *, digest, hidden_neurons, capabilities, nodes=1,
-                 in_memory=(), neurons=0, view_rows=0):
+    def __init__(self, table, values, constants, *, in_memory=(), neurons=0, view_rows=0):
         self.table, self.values = table, values
         of_list = listed(table)
         # Rows with a register of their own.
@@ -122,8 +115,7 @@ class Registers(wiring.Component):
         self.views = len(of_list) // len(ENTRY_WORDS)
         self.entries = ViewStore(of_list, values, self.views) if of_list else None
         self.passes = ViewPass(self.views) if of_list else None
-        self.constants = {"ID": ID, "DIGEST": digest, "NEURONS": hidden_neurons, "NODES": nodes,
-                          **({ROWS_STATUS: view_rows} if view_rows else {}), **capabilities}
+        self.constants = {"ID": ID, **constants}
         self.view_rows = view_rows
         self.counting = (*COUNTERS, *(r.name for r in table if r.name in COLOUR_COUNTERS))
         [fault] = [r for r in table if r.name == "FAULT"]
@@ -164,15 +156,11 @@ class Registers(wiring.Component):
             m, (address, word, under_way, write[1]), take, status["COMMITTED"], copying)
         meant = {r.name: register(m, f"{r.name.lower()}_meant", address == r.address)
                  for r in self.rows}
-        rows_status = {}
-        if self.view_rows:
-            limit = Const(self.view_rows, range(MAX_MATRICES + 1))
-            rows_status[ROWS_STATUS] = Cat(limit, self.active[ROWS_BANK])
         self._read(m, address, meant, stored, {
             **self.constants, **held, **counted, **self._state(), "CTRL": 0,
             "STATUS": Cat(status[flag.name] for flag in action["STATUS"].flags),
             "FAULT": Cat(fault[flag.name] for flag in action["FAULT"].flags),
-            "ALTERED": altered, **rows_status})
+            "ALTERED": altered})
 
         written = {r.name: write[1] & meant[r.name] for r in self.rows if r.access != "ro"}
         in_table = register(m, "table_written", write[0] & (address >= TABLE), reset_less=False)
@@ -302,8 +290,14 @@ class Registers(wiring.Component):
         m.d.sync += self.bus.readdata.eq(Mux(address >= TABLE, span, value))
 
     def _state(self):
-        """The value of VIEWS_STATE by its name, if there is a list of views."""
-        return {"VIEWS_STATE": Cat(Const(self.views, 8), self.passes.done)} if self.passes else {}
+        """States of the list of views and of the table of matrices by name, where they are."""
+        state = {}
+        if self.passes:
+            state["VIEWS_STATE"] = Cat(Const(self.views, 8), self.passes.done)
+        if self.view_rows:
+            limit = Const(self.view_rows, range(MAX_MATRICES + 1))
+            state[ROWS_STATUS] = Cat(limit, self.active[ROWS_BANK])
+        return state
 
     def _keep(self, m, written, word, held, committed):
         """Write registers, unless the set is committed."""

@@ -40,8 +40,8 @@ class Dut(Elaboratable):
         rows = registers(D.hidden_neurons, D.formats, D.nodes, view=True, views=views)
         self.rows = {r.name: r for r in rows}
         self.values = host_values(D, Hardware(view=True, views=views))
-        self.registers = Registers(rows, self.values, digest=1, hidden_neurons=3, nodes=8,
-                                   capabilities={"CAPABILITIES": 7, "LARGEST": 9})
+        self.registers = Registers(rows, self.values, {
+            "DIGEST": 1, "NEURONS": 3, "NODES": 8, "CAPABILITIES": 7, "LARGEST": 9})
         self.table = ValidTable(D.valid, *D.geometry.corrected)
         self.rst = Signal()
 

@@ -39,9 +39,9 @@ BURST = 8
 def agent(share):
     """The registers of ``D`` for units that serve ``share`` neurons."""
     rows, hardware = registers(D.hidden_neurons, D.formats), Hardware(share=share)
-    return Registers(rows, host_values(D), digest=int(D.digest[:8], 16),
-                     hidden_neurons=D.hidden_neurons,
-                     capabilities={"CAPABILITIES": 7, "LARGEST": 9},
+    constants = {"DIGEST": int(D.digest[:8], 16), "NEURONS": D.hidden_neurons,
+                 "CAPABILITIES": 7, "LARGEST": 9}
+    return Registers(rows, host_values(D), constants,
                      in_memory=in_memory(rows, hardware),
                      neurons=hardware.served(D.hidden_neurons))
 

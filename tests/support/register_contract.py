@@ -32,9 +32,9 @@ class Dut(Elaboratable):
         rows = ROWS
         if view_rows:
             rows = registers(3, D.formats, view=True, view_rows=view_rows)
-        self.registers = Registers(rows, host_values(D), digest=int(D.digest[:8], 16),
-                                   hidden_neurons=3, view_rows=view_rows,
-                                   capabilities={"CAPABILITIES": 7, "LARGEST": 9},
+        constants = {"DIGEST": int(D.digest[:8], 16), "NEURONS": 3,
+                     "CAPABILITIES": 7, "LARGEST": 9}
+        self.registers = Registers(rows, host_values(D), constants, view_rows=view_rows,
                                    in_memory=stored, neurons=hardware.served(3))
         self.table = ValidTable(D.valid, *D.geometry.corrected)
         self.share, self.rst = share, Signal()
