@@ -3,8 +3,10 @@
 import os
 import re
 import socket
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import closing, contextmanager, suppress
 from dataclasses import replace
+from threading import Barrier
 from types import SimpleNamespace
 from urllib.error import HTTPError
 from urllib.request import urlopen
@@ -172,6 +174,36 @@ def test_a_unit_that_ends_its_worker_fails_alone(tmp_path):
     assert sorted(watched(database, batches, answer)) == ["U1", "U2", "U3"]
     assert seen == ["U1", "U3", "U1", "U1", "U2"]
     assert "ended its worker 3 times" in database.unit("U1")["reasons"][0]
+
+
+def test_two_stations_watch_one_folder(tmp_path):
+    """At once, on one database: each unit is judged once, by the station that saw it first."""
+    serials = {f"A{k}" for k in range(20)}
+    for serial in serials:
+        (tmp_path / "photos" / serial).mkdir(parents=True)
+        (tmp_path / "photos" / serial / "0.png").touch()
+    barrier, done = Barrier(2), {"left": [], "right": []}
+
+    def station(name):
+        database = begun(tmp_path, 0, name)
+        arrivals = Arrivals(str(tmp_path / "photos"), settle=0)
+
+        def arrived(known):
+            if database.counts()["pass"] == len(serials):
+                raise KeyboardInterrupt
+            return arrivals(known)[:3]
+        barrier.wait()
+        with suppress(KeyboardInterrupt):
+            for one in watch_lot(database, Scripted(lambda *tag: outcome()), Request("dots"),
+                                 LIMITS, name, arrived):
+                done[name].append(one.serial)
+    with ThreadPoolExecutor(2) as pool:
+        list(pool.map(station, done))
+    assert sorted(done["left"] + done["right"]) == sorted(serials)
+    database = begun(tmp_path, 0)
+    for name in done:
+        assert {database.unit(serial)["station"] for serial in done[name]} <= {name}
+    assert {database.unit(serial)["tries"] for serial in serials} == {1}
 
 
 @contextmanager

@@ -40,8 +40,8 @@ def draw(path):
     with TemporaryDirectory() as work:
         folder = Path(work, "photos")
         folder.mkdir()
-        with station(folder, Path(work, "lot"), "--neurons", 8, "--photos", 3, "--station", "left",
-                     *limits) as running:
+        with station(folder, Path(work, "march"), "--neurons", 8, "--photos", 3,
+                     "--station", "left", *limits) as running:
             shots = []
             for number, kind, word in ((1, "", "PASS"), (2, "rolled", "FAIL")):
                 unit = make_unit(number, kind)
