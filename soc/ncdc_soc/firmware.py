@@ -29,7 +29,12 @@ from ncdc_spec.protocols.features import VIEW_FEATURES, feature, features_of, fe
 from ncdc_spec.protocols.genicam import genicam_xml
 from ncdc_spec.protocols.table_one import IDLE_SECONDS, RATE, SYSTEM_WORDS, TCP_PORT, VIEW
 from ncdc_spec.registers.link_map import LINK, TEMPLATES
-from ncdc_spec.registers.register_map import CTRL_COMMIT, STATUS_COMMITTED, registers
+from ncdc_spec.registers.register_map import (
+    CTRL_COMMIT,
+    STATUS_COMMITTED,
+    network_registers,
+    registers,
+)
 from ncdc_spec.sensors.catalogue import controlled_sensor
 from ncdc_spec.sensors.framing import Crop, field_values
 from ncdc_spec.sensors.waking import wake_times
@@ -259,12 +264,15 @@ def _lens(system):
     """The built-in lens as ``struct ncdc_lens`` of the C driver has it, without its valid rows,
     which are in the corrector from the beginning."""
     lens = Lens.of(system.corrector, system.descriptor)
+    parameters = [one.name for one in network_registers(lens.neurons, system.descriptor.formats)]
     return {
         "LENS_NEURONS": f"{lens.neurons}u",
         "LENS_INTERPOLATION": f"NCDC_CAPABILITIES_{lens.interpolation.upper()}",
         "CONFIG_LENS_KIND": _braced(map(str, lens.kind)),
-        "CONFIG_LENS_VALUES": _braced(_braced([f"NCDC_{name}", _hex(value & 0xFFFFFFFF)])
-                                      for name, value in lens.values.items())}
+        "CONFIG_LENS_PARAMETERS": _braced(f"NCDC_{name}" for name in parameters),
+        "CONFIG_LENS_VALUES": _braced(
+            _braced([f"NCDC_{name}", _hex(value & 0xFFFFFFFF)])
+            for name, value in lens.values.items() if name not in parameters)}
 
 
 def _view(system):

@@ -152,20 +152,22 @@ def core_of(wire, lens):
 @pytest.fixture
 def chip(tmp_path):
     """``chip(content)``: arguments of the firmware with that content of its EEPROM."""
-    def made(content, address_bytes=2, busy=0):
+    def made(content, address_bytes=2, busy=0, waiting=0):
         path = tmp_path / "chip.bin"
         path.write_bytes(content)
-        return path, address_bytes, busy
+        return path, address_bytes, busy, waiting
     return made
 
 
 @pytest.mark.longer
-@pytest.mark.parametrize("address_bytes,busy", [(1, 0), (2, 0), (2, 11)])
-def test_the_firmware_loads_the_lens(wire_firmware, chip, address_bytes, busy):
-    """Every register and valid row is that of the lens, in the other bank, and committed."""
+@pytest.mark.parametrize("address_bytes,busy,waiting", [
+    (1, 0, 0), (2, 0, 0), (2, 11, 0), (2, 5, 5)])
+def test_the_firmware_loads_the_lens(wire_firmware, chip, address_bytes, busy, waiting):
+    """Every register and valid row is that of the lens, in the other bank, and committed; after a
+    write of the chip, and after another commit."""
     corrector = Corrector(BUILT_IN, Hardware(bus="axi", format="BGR8", colour=True))
     lens = Lens.of(corrector, OTHER)
-    with Wire(wire_firmware, *chip(GOOD, address_bytes, busy)) as wire:
+    with Wire(wire_firmware, *chip(GOOD, address_bytes, busy, waiting)) as wire:
         values, rows, (bank, control) = core_of(wire, lens)
         assert status_of(wire) == "Loaded"
     expected = {name: value & 0xFFFFFFFF for name, value in lens.values.items()}

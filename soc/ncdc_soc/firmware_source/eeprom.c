@@ -20,22 +20,27 @@
 
 enum { NO_CHIP, RESULTS };	/* then the results of the driver */
 
+/* Registers of the network, whose values the image has, and those whose values the built-in lens has. */
+static const uint16_t PARAMETERS[] = CONFIG_LENS_PARAMETERS;
 static const struct ncdc_value VALUES[] = CONFIG_LENS_VALUES;
 
+#define PARAMETER_COUNT (sizeof PARAMETERS / sizeof *PARAMETERS)
+#define VALUE_COUNT (PARAMETER_COUNT + sizeof VALUES / sizeof *VALUES)
+
+/* Its values are in memory when they are needed. */
 static const struct ncdc_lens BUILT_IN = {
 	.kind = CONFIG_LENS_KIND,
 	.neurons = LENS_NEURONS,
 	.interpolation = LENS_INTERPOLATION,
 	.width = CORRECTED_WIDTH,
 	.height = CORRECTED_HEIGHT,
-	.values = VALUES,
-	.value_count = sizeof VALUES / sizeof *VALUES,
+	.value_count = VALUE_COUNT,
 	.span_count = 2 * CORRECTED_HEIGHT,
 };
 
 /* What lwIP lends for a while. */
 struct memory {
-	struct ncdc_value values[sizeof VALUES / sizeof *VALUES];
+	struct ncdc_value values[VALUE_COUNT];
 	uint32_t rows[2 * CORRECTED_HEIGHT];
 	uint8_t image[];
 };
@@ -100,9 +105,16 @@ static bool load(struct memory *memory, uint32_t length)
 {
 	static const struct ncdc device = {.read = core_read, .write = core_write};
 	struct ncdc_eeprom_lens from = {.values = memory->values, .valid_rows = memory->rows};
-	enum ncdc_eeprom_result found = ncdc_eeprom_read(memory->image, length, &BUILT_IN, &from);
-	enum ncdc_result loaded = found ? NCDC_OK : ncdc_load(&device, &from.lens);
+	struct ncdc_lens built_in = BUILT_IN;
+	enum ncdc_eeprom_result found;
+	enum ncdc_result loaded;
 
+	for (unsigned k = 0; k < PARAMETER_COUNT; ++k)
+		memory->values[k].offset = PARAMETERS[k];
+	memcpy(memory->values + PARAMETER_COUNT, VALUES, sizeof VALUES);
+	built_in.values = memory->values;
+	found = ncdc_eeprom_read(memory->image, length, &built_in, &from);
+	loaded = found ? NCDC_OK : ncdc_load(&device, &from.lens);
 	if (loaded == NCDC_ERROR_COMMITTED)
 		return false;
 	if (loaded)

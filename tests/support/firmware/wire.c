@@ -12,8 +12,8 @@
  * to these begins with "v", in decimal. "k NUMBERS" is a commit of the corrector, with the nine of its
  * matrix.
  * The sensor's registers take what is written; at first they hold what the firmware would set them to.
- * Arguments, if there is an EEPROM: a file of its content, the bytes of an address in it, and how often
- * it does not answer at first.
+ * Arguments, if there is an EEPROM: a file of its content, the bytes of an address in it, how often it
+ * does not answer at first, and how often a commit of another lens is seen to wait.
  * A new frame is complete whenever time passes. */
 #include "chip.h"
 #include "machine.h"
@@ -38,6 +38,7 @@ static uint8_t registers[VALUE_BYTES << SENSOR_POINTER_BITS];
 static uint32_t i2c_result, i2c_bytes, i2c_at;
 static bool i2c_sensor;		/* it is the sensor that was addressed */
 
+static unsigned waiting;	/* reads of STATUS that find another lens committed */
 static uint32_t light;		/* 0: raw frames show their addresses */
 static uint32_t exposed[3];	/* lines times gain, of the frame that is complete and of the next ones */
 static uint32_t balanced[3];	/* gains of capture, likewise */
@@ -128,6 +129,10 @@ static uint32_t grey(void)
 
 uint32_t reg_read(uint32_t address)
 {
+	if (address == NCDC_BASE + NCDC_STATUS && waiting) {
+		--waiting;
+		return NCDC_STATUS_COMMITTED;
+	}
 	switch (address) {
 	case NCDC_TIME_LOW: return (uint32_t)now;
 	case NCDC_TIME_HIGH: return (uint32_t)(now >> 32);
@@ -248,8 +253,10 @@ int main(int count, char **arguments)
 		*system_register(NCDC_CAPTURE_GAINS) |= AUTO_RATIO_UNITY << AUTO_RATIO_BITS * c;
 	balanced[0] = balanced[1] = balanced[2] = *system_register(NCDC_CAPTURE_GAINS);
 	identify();
-	if (count == 4)
+	if (count == 5) {
 		chip_begin(arguments[1], (unsigned)atoi(arguments[2]), (unsigned)atoi(arguments[3]));
+		waiting = (unsigned)atoi(arguments[4]);
+	}
 	machine_begin();
 	while (fgets(line, sizeof line, stdin)) {
 		if (line[0] == 'f')
