@@ -38,9 +38,10 @@ def follow_strip(args, geometry):
     return 0
 
 
-def bound_of(args, descriptor, hardware, memory):
-    """The planner's bound for a frame that follows the camera; None without --follow."""
+def bound_of(args, descriptor, hardware, memory, view=None):
+    """The planner's bound for a frame that follows the camera, of a view if there is one; None
+    without --follow."""
     if not args.follow:
         return None
     return follow_bound(descriptor, hardware, memory, Corrector(descriptor, hardware).timing,
-                        line=args.line_clocks, progress=Progress("following"))
+                        camera=args.line_clocks, view=view, progress=Progress("following"))

@@ -74,9 +74,6 @@ def run(args) -> int | None:
     if args.sensor:
         return run_moving(args, descriptor)
     view = simulated_view(args, descriptor)
-    if view and args.follow:
-        raise InputError("--follow is given with a view, early start is planned for the trained "
-                         "picture only")
     if args.field is not None:
         raise InputError(f"--field {args.field} is of a sensor: --camera NAME is needed")
     fixed = fixed_of(args, follow_strip(args, descriptor.geometry))
@@ -97,7 +94,7 @@ def run(args) -> int | None:
     write_image(args.output, simulation.picture)
     if note:
         print(note, file=sys.stderr)
-    bound = _bound(args, descriptor, hardware)
+    bound = _bound(args, descriptor, hardware, view)
     report = simulation.report() | {"hidden_neurons": descriptor.hidden_neurons}
     report |= bound.report() if bound else {}
     report |= colour_report(args, colour) if choice else {}
@@ -119,7 +116,7 @@ def run(args) -> int | None:
     return 0
 
 
-def _bound(args, descriptor, hardware):
+def _bound(args, descriptor, hardware, view):
     """The planner's bound; None without --follow, and where its model gives no clocks.
 
     It has none for the multiport fetcher, random latency, and LiteDRAM's controller.
@@ -130,7 +127,7 @@ def _bound(args, descriptor, hardware):
                                                and memory.wait_probability == 0)
     if not hardware.cached or not exact:
         return None
-    return bound_of(args, descriptor, hardware, memory)
+    return bound_of(args, descriptor, hardware, memory, view)
 
 
 def _sums(simulation):

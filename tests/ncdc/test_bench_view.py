@@ -45,9 +45,10 @@ def test_slips_of_the_model_are_seen(monkeypatch, slip, word):
 def test_clocks_and_pixels_that_are_off_are_seen():
     row = {"lens": "one", "map_error_max_px": 0, "lens_error_max_px": 0, "wrongly_filled": 0,
            "wrongly_blank": 0, "clocks_per_pixel": 1.0, "predicted_clocks_per_pixel": 1.02,
-           "pixels_different": 3}
+           "bound_clocks_per_pixel": 1.03, "random_clocks_per_pixel": 1.031, "pixels_different": 3}
     assert [text.partition(" ")[2] for text in complaints([row], STILL)] == [
         "1.020 of the clocks are predicted, 1 % off is the limit",
+        "a random view takes 1.0310 clocks per pixel, 1.0300 are the planner's bound",
         "3 pixels of the Verilog are not the golden model's"]
 
 
@@ -97,7 +98,8 @@ def test_the_command(small, monkeypatch, capsys, tmp_path):
     monkeypatch.setattr(command, "view_lens", lambda name, neurons: seen_lens())
     path, planned = tmp_path / "view.json", []
     monkeypatch.setattr(command, "clocks_of", lambda descriptor, views: planned.append(views) or {
-        "clocks_per_pixel": 1.0, "predicted_clocks_per_pixel": 1.009, "pixels_different": 0})
+        "clocks_per_pixel": 1.0, "predicted_clocks_per_pixel": 1.009, "pixels_different": 0,
+        "bound_clocks_per_pixel": 1.03, "random_clocks_per_pixel": 1.0})
     assert main(["bench", "view", "--lens", "PC105", "--views", "2", "--frames", "2", "--json",
                  str(path)]) == 0
     assert planned == [2]

@@ -66,7 +66,6 @@ def test_the_table_of_a_camera_that_turns(asked):
     (("out.png", "--view", "--view-rows", "65"), "has 65 matrices, the limits are 2 and 64"),
     (("out.gif", "--gyro", "a.csv", "--sensor", "mt9p031"), "--gyro is given with --camera"),
     (("out.png", "--pan", "9", "--matrix", *"100010001"), "--matrix is given together with angles"),
-    (("out.png", "--pan", "9", "--follow"), "--follow is given with a view"),
     (("out.png", "--matrix", *"10001000", "nan"), "nine finite numbers are needed"),
     (("out.gif", "--pan", "9", "--sensor", "mt9p031"), "--pan is given with --camera mt9p031")])
 def test_options_that_are_rejected(asked, capsys, options, words):

@@ -109,7 +109,7 @@ def check_early_start(descriptor, hardware, memory="sdram", **options):
     assert simulation.follow["follow_early_reads"] == 0
     hardware = hardware.made_for(descriptor)
     bound = follow_bound(descriptor, hardware, memory_timing(memory),
-                         Corrector(descriptor, hardware).timing, line=line)
+                         Corrector(descriptor, hardware).timing, camera=line)
     assert 0 < simulation.follow["follow_latency_clocks"] <= bound.clocks
 
 

@@ -48,7 +48,7 @@ def followed(descriptor, hardware=Hardware(output="stream"), *, memory="sdram", 
                                      follow_line=camera_line(line, geometry), **options)
     hardware = hardware.made_for(descriptor)
     bound = follow_bound(descriptor, hardware, memory_timing(memory),
-                         Corrector(descriptor, hardware).timing, line=line)
+                         Corrector(descriptor, hardware).timing, camera=line)
     return simulation, bound
 
 
@@ -107,7 +107,7 @@ def test_the_bound_counts_the_rows_that_come_late(small):
     def bound(strip=0, line=None, output="stream"):
         hardware = Hardware(cache=CacheOptions(tiles=64), split=1, strip=strip, output=output)
         return follow_bound(small, hardware, memory_timing("ideal"),
-                            Corrector(small, hardware).timing, line=line)
+                            Corrector(small, hardware).timing, camera=line)
     usual = bound()
     assert bound(line=4 * 48).clocks < usual.clocks
     assert bound(line=4 * 48).camera_clocks == 63 * 4 * 48 + 48

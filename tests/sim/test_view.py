@@ -9,8 +9,11 @@ import pytest
 from cameras import barrel_descriptor
 from ncdc_hdl.corrector import Corrector
 from ncdc_hdl.export.verilog import verilog_of
+from ncdc_model.planner.follow import follow_bound
+from ncdc_model.planner.memory_timing import memory_timing
 from ncdc_sim.system.corrector import simulate_correction
 from ncdc_spec.hardware import Hardware
+from ncdc_spec.view_matrix import Angles, PlaneCamera
 from simulations.lens_change import simulate_lens_change
 from views import nonsense_table, nonsense_view, random_view, turning_view
 
@@ -77,6 +80,22 @@ def test_another_table_with_every_frame(settings, frames):
     result = simulate_lens_change(corrector, verilog_of(corrector), pair, frames, views=views,
                                   memory="hostile")
     assert result.differing == (0,) * frames
+
+
+@pytest.mark.regress
+@pytest.mark.parametrize("roll", [4, 175])
+def test_a_view_that_follows_its_camera(roll):
+    d, raw = cameras()[0]
+    d = replace(d, provenance={"frame": [FOCAL, 50.0, 30.0]})
+    view = PlaneCamera.of(d).looking(Angles(pan=8, roll=roll, zoom=1.3), (72, 44))
+    hardware = Hardware(view=True).made_for(d)
+    result = simulate_correction(d, raw, hardware, view=view,
+                                 follow_line=d.geometry.distorted_width)
+    assert result.differing == [] and result.follow["follow_early_reads"] == 0
+    bound = follow_bound(d, hardware, memory_timing("sdram"), Corrector(d, hardware).timing,
+                         view=view)
+    latency = result.follow["follow_latency_clocks"]
+    assert bound.clocks - .1 * result.counters["CLOCKS"] < latency <= bound.clocks
 
 
 @cache

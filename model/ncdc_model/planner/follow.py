@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ncdc_model.planner.camera_writes import CameraWrites
 from ncdc_model.planner.lookups import frame_windows, lookups, pieces
 from ncdc_model.planner.tags import accesses, misses
 from ncdc_model.planner.timing import predict_clocks
@@ -72,15 +73,15 @@ def rows_needed(y0, used, height, interpolation=FAST):
     return np.where(used, np.minimum(last + 1, height), 0)
 
 
-def _rows(line, camera, geometry):
+def _rows(camera, geometry):
     """Clocks of a camera per row, from a row's first sample to its last, and from there until
     `camera_rows` counts it: a clock after its last byte is in memory."""
-    if camera is None:
-        return camera_line(line, geometry), geometry.distorted_width, 1
+    if not isinstance(camera, CameraWrites):
+        return camera_line(camera, geometry), geometry.distorted_width, 1
     return camera.line, camera.width * camera.sample, camera.latency + 2 * camera.burst + 1
 
 
-def follow_bound(descriptor, hardware, memory, timing, *, line=None, addresses=None, camera=None,
+def follow_bound(descriptor, hardware, memory, timing, *, camera=None, view=None, addresses=None,
                  progress=lambda fraction: None):
     """:class:`FollowBound` of a frame that begins with the camera's.
 
@@ -101,26 +102,28 @@ def follow_bound(descriptor, hardware, memory, timing, *, line=None, addresses=N
         With a tile cache of a known size.
     memory : LatencyMemory or DramMemory
     timing : CorrectorTiming
-    line : int, optional
-        Clocks of a row of a camera with its own memory port and a sample per clock; by default
-        without blanking.
+    camera : int or CameraWrites, optional
+        Clocks of a row of a camera with its own memory port and a sample per clock, by default
+        without blanking; or a camera on the same port.
+    view : View, optional
+        What the corrected frame shows; the trained picture by default.
     addresses : FrameAddresses, optional
         By default those after reset.
-    camera : CameraWrites, optional
-        A camera on the same port, instead of ``line``.
     progress : callable
         Called with the fraction done.
     """
     geometry = descriptor.geometry
-    addresses = addresses or FrameAddresses.after_reset(geometry, hardware.data_width)
+    picture = view.geometry(geometry) if view else geometry
+    addresses = addresses or FrameAddresses.after_reset(picture, hardware.data_width)
     strip, lanes = hardware.strip, hardware.lanes
-    line, row, late = _rows(line, camera, geometry)
-    windows = frame_windows(descriptor, lambda done, total: progress(.5 * done / total))
+    line, row, late = _rows(camera, geometry)
+    windows = frame_windows(descriptor, lambda done, total: progress(.5 * done / total), view)
     boxes = lookups(windows, strip, lanes)
     block = getattr(memory, "access_bytes", 1)
     writes = None if hardware.stream else frame_writes(
-        geometry, hardware, block, addresses.target, timing)
-    writes = camera.merged_with(writes, hardware.data_width // 8, block) if camera else writes
+        picture, hardware, block, addresses.target, timing)
+    if isinstance(camera, CameraWrites):
+        writes = camera.merged_with(writes, hardware.data_width // 8, block)
     free = predict_clocks(
         misses(accesses(boxes), hardware.cache, hardware.split_for(geometry)), boxes, hardware,
         memory, timing, addresses, writes, lambda done, total: progress(.5 + .5 * done / total))
