@@ -146,8 +146,8 @@ def _view_lines(report):
     """Lines on the worst views of a range; none without it."""
     if "views" in report:
         yield (f"these are of the slowest of {report['views_scanned']} views tried, "
-               f"{angles_text(report['slowest_view'])}; none takes more than "
-               f"{report['bound_clocks_per_pixel']:.4f} clocks per pixel")
+               f"{angles_text(report['slowest_view'])}; with a margin for views between them, at "
+               f"most {report['bound_clocks_per_pixel']:.4f} clocks per pixel")
         yield (f"at most {report['most_bytes_read_per_pixel']:.3f} bytes are read per pixel, at "
                f"{angles_text(report['most_bytes_view'])}")
         yield from report_lines(report)
