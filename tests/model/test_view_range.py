@@ -8,6 +8,8 @@ import pytest
 
 from ncdc_model.evaluate import float_map
 from ncdc_model.golden.nodes import sums_between
+from ncdc_model.golden.view import in_spans, view_coordinates
+from ncdc_model.view_map import plane_points
 from ncdc_model.view_nodes import NodeErrors, node_errors, worst_node_errors
 from ncdc_model.view_range import ViewRange
 from ncdc_spec.errors import InputError
@@ -93,6 +95,20 @@ def test_errors_of_nodes_are_those_of_the_formula():
     for nodes in (8, 16):       # a magnified view shows nothing but what has a source
         assert found[nodes] == pytest.approx(around(lens, view, nodes).max(), rel=1e-6)
     assert found[16] > 4 * found[8] > 0
+
+
+def test_only_pixels_that_the_integers_show_count():
+    """Where a view shrinks much, nodes beyond the picture do not fit their formats."""
+    lens = replace(seen_lens(), nodes=16)
+    view = ViewRange.of(lens, {}).view(Angles(pan=20, zoom=.3))
+    v, u = np.mgrid[0:64, 0:96]
+    *_, shown = view_coordinates(lens, view, u, v)
+    error = around(lens, view, 16)
+    found = NodeErrors(lens, every=1).of(view, [16])[16]
+    assert found == pytest.approx(error[shown].max(), rel=1e-6)
+    column, row = plane_points(view.real, u, v)
+    inside = in_spans(lens.valid, np.rint(column).astype(int), np.rint(row).astype(int))
+    assert error[inside].max() > 1.5 * found > 0
 
 
 def test_pixels_without_a_source_have_no_error():

@@ -61,6 +61,7 @@ def _view(report):
             ("view_max", "map_error_max_px"), ("lens_max", "lens_error_max_px"),
             ("filled", "wrongly_filled"), ("blank", "wrongly_blank"),
             ("clocks", "clocks_per_pixel"), ("predicted", "predicted_clocks_per_pixel"),
+            ("bound", "bound_clocks_per_pixel"), ("random", "random_clocks_per_pixel"),
             ("differ", "pixels_different"))}}
         for row in report["rows"]}, "steady": report["steadiness"]}
 
