@@ -129,7 +129,7 @@ class Packer(wiring.Component):
         self._advance(m, put, final, strips, Cat(position, number), end,
                       Mux(complete, next_number, number))
         with m.If(self.start):
-            m.d.sync += [closed.eq(self._origin[:word_bits] != 0),
+            m.d.sync += [closed.eq(self._unaligned(word_bits)),
                          begun.eq(0), carried.eq(0), part.eq(0)]
         with m.Elif(put & ~inside | self.reject):
             m.d.sync += closed.eq(1)
@@ -147,6 +147,11 @@ class Packer(wiring.Component):
     def _origin(self):
         """Byte address of the first pixel."""
         return self.origin if self.placed else self.base
+
+    def _unaligned(self, word_bits):
+        """Whether the buffer, or the picture in it, does not begin with a word."""
+        base = self.base[:word_bits] != 0
+        return base | (self.origin[:word_bits] != 0) if self.placed else base
 
     def _by_format(self, of_mono, of_bgr, otherwise):
         """The value for the format."""

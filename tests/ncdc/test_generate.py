@@ -230,10 +230,13 @@ def test_a_view_is_generated_at_nodes_only(folder, tmp_path, capsys):
     replace(wide, nodes=8).save(folder / "nodes.toml")
     nodes, hardware = str(folder / "nodes.toml"), tmp_path / "hardware"
     fixed = ["--cache-bytes", "1024", "--cache-split", "1", "--strip", "0"]
-    assert main(["generate", nodes, "-o", str(hardware), "--view", *fixed]) == 0
-    assert " --view" in (hardware / "ncdc.v").read_text().partition("module")[0]
+    assert main(["generate", nodes, "-o", str(hardware), "--view", "--views", "3", *fixed]) == 0
+    assert " --view --views 3" in (hardware / "ncdc.v").read_text().partition("module")[0]
     assert "VIEW_X_U" in (hardware / "ncdc_lenses.py").read_text()
+    assert "NCDC_VIEW2_PITCH" in (hardware / "ncdc_registers.h").read_text()
     capsys.readouterr()
+    assert main(["generate", nodes, "-o", str(tmp_path / "none"), "--views", "3"]) == 2
+    assert "the number of views is 3, it needs hardware with a view" in capsys.readouterr().err
     assert main(["generate", str(folder / "net.toml"), "-o", str(tmp_path / "none"),
                  "--view"]) == 2
     assert "evaluated at every pixel, a view needs nodes" in capsys.readouterr().err

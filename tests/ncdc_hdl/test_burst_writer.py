@@ -19,8 +19,9 @@ BASES = [64 + 4096 * k for k in range(6)]
 
 
 class Sink(Elaboratable):
-    def __init__(self, data_width, lanes=1):
-        self.packer, self.writer = Packer(data_width, lanes), BurstWriter(data_width, burst=BURST)
+    def __init__(self, data_width, lanes=1, placed=False):
+        self.packer = Packer(data_width, lanes, placed)
+        self.writer = BurstWriter(data_width, burst=BURST)
         self.domain = ClockDomain("sync")
 
     def elaborate(self, platform):
@@ -135,6 +136,35 @@ def test_frames_in_each_format(data_width, size, strip, lanes, gap, wait):
     assert log == [burst for base, one in zip(BASES, forms)
                    for burst in bursts(base, size, strip, word, one)]
     assert len(done) == len(forms)
+
+
+@pytest.mark.parametrize("data_width,lanes,size,strip", [
+    (32, 1, (13, 5), 0), (64, 1, (37, 3), 32), (64, 2, (14, 4), 0), (128, 4, (44, 3), 32)])
+def test_a_picture_at_any_word_of_a_larger_one(data_width, lanes, size, strip):
+    """In each format, and with pitches from the least one on; no byte between rows is touched."""
+    rng, word, (width, height) = np.random.default_rng(3), data_width // 8, size
+    content, expected, done = np.full(SIZE, 0xEE, np.uint8), np.full(SIZE, 0xEE, np.uint8), []
+    dut = Sink(data_width, lanes, placed=True)
+    cases = [(base, form, (-(-width * form.pixel_bytes // word) + more) * word)
+             for base, form, more in zip(BASES, FORMATS + FORMATS, (0, 1, 3, 9, 0, 2))]
+
+    async def source(ctx):
+        for k, (base, form, pitch) in enumerate(cases):
+            pixels = rng.integers(0, 256, (height, width, 3))
+            first = base + word * int(rng.integers(0, 9))
+            ctx.set(dut.packer.origin, first)
+            ctx.set(dut.packer.pitch, pitch)
+            for v, row in enumerate(pixels):
+                stored(expected, first + v * pitch, row[None], 0, form=form)
+            await begin(ctx, dut, base, (width, height), strip, form)
+            ctx.set(dut.packer.limit, base + 4096)
+            await put(ctx, dut.packer.i, groups(pixels, strip, lanes), lambda: rng.random() < .2)
+            while len(done) == k:
+                await ctx.tick()
+
+    agent = write_agent(dut.writer.bus, content, word, rng, wait=.6, log=[])
+    run_bench(dut, source, background=(counter(dut, done), agent))
+    np.testing.assert_array_equal(content, expected)
 
 
 def clocks_to_pack(data_width, lanes, form, size, strip):

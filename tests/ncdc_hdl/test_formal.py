@@ -243,6 +243,7 @@ LONG = {
     "reads of two words in their buffer": (lambda: FencedReads(shortest=2), "prove", 4),
     "words in their buffer, four pixels": (lambda: FencedWords(lanes=4), "prove", 3),
     "words in their buffer, 128 bits": (lambda: FencedWords(data_width=128), "prove", 3),
+    "words of a view in their buffer": (lambda: FencedWords(placed=True), "prove", 3),
     "bursts in their buffer": (WordsInBursts, "prove", 2),
     "credits, five": (lambda: Credits(5, 0), "prove", 2),
     "frames of four readers": (lambda: Store(4), "prove", 2),

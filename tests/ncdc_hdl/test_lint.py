@@ -18,7 +18,7 @@ from ncdc_spec.camera_port import camera_port
 from ncdc_spec.hardware import Hardware
 
 HARDWARE = {"cache": Hardware(), "stream": Hardware(output="stream", data_width=128),
-            "shared": Hardware(share=2, hidden="raster"), "view": Hardware(view=True)}
+            "shared": Hardware(share=2, hidden="raster"), "view": Hardware(view=True, views=3)}
 BIN = Path(sys.executable).parent
 
 

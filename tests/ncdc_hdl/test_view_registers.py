@@ -108,7 +108,7 @@ def random_list(rng, views):
             for k in range(views) for word in ENTRY_WORDS}
 
 
-@pytest.mark.parametrize("views", [2, 3, 8])
+@pytest.mark.parametrize("views", [3, 8])
 def test_every_entry_has_its_own_words_and_the_first_is_the_set(views):
     async def bench(ctx, dut, driver):
         for name, value in configured(dut).items():

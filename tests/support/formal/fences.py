@@ -14,6 +14,7 @@ from ncdc_hdl.avalon.read_fence import ReadFence
 from ncdc_hdl.backend.layouts import pixel_layout
 from ncdc_hdl.backend.packer import FORMAT, Packer
 from ncdc_hdl.frontend.strips import ORDER
+from ncdc_spec.view_list import PITCH_BITS
 
 __all__ = ["FencedReads", "FencedWords", "WordsInBursts"]
 
@@ -86,23 +87,28 @@ class FencedReads(Wrapper):
 
 
 class FencedWords(Wrapper):
-    """``Packer`` with any pixels, formats, sizes, strips, base and limit, reset at any time.
+    """``Packer`` with any pixels, formats, sizes, strips, base and limit, reset at any time; if it
+    is ``placed`` with any origin and pitch.
 
     Asserts that each word that is no void one is inside the buffer, aligned, and where the one
     before it ends unless that one said otherwise.
     """
 
-    def __init__(self, kind=Packer, data_width=64, lanes=1):
-        self.dut, self.word = kind(data_width, lanes), data_width // 8
+    def __init__(self, kind=Packer, data_width=64, lanes=1, placed=False):
+        self.dut, self.word, self.placed = (kind(data_width, lanes, placed), data_width // 8,
+                                            placed)
         super().__init__({
             "start": In(1), "base": In(ADDRESS_BITS), "limit": In(ADDRESS_BITS),
             "order": In(ORDER), "format": In(FORMAT), "reject": In(1), "valid": In(1),
-            "pixel": In(pixel_layout(lanes)), "ready": In(1)})
+            "pixel": In(pixel_layout(lanes)), "ready": In(1),
+            **({"origin": In(ADDRESS_BITS), "pitch": In(PITCH_BITS)} if placed else {})})
 
     def elaborate(self, platform):
         m = Module()
         dut, o = self.dut, self.dut.o.p
         fragment = self.design(m, dut)
+        if self.placed:
+            m.d.comb += [dut.origin.eq(self.origin), dut.pitch.eq(self.pitch)]
         # A frame's registers rest from its start on; it begins when the last one's words are gone.
         base, limit = Signal(ADDRESS_BITS), Signal(ADDRESS_BITS)
         running = Signal()
