@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 from ncdc_spec.geometry import MIN_SIZE
 
-__all__ = ["LAYOUTS", "MAX_SHOWN", "Place", "places"]
+__all__ = ["LAYOUTS", "MAX_SHOWN", "Area", "areas"]
 
 LAYOUTS = ("Single", "Quad", "Detail")
 """One view, four of equal size, or one over the whole picture with a second one in its corner."""
@@ -17,7 +17,7 @@ _SHARE = 3 / 8              # of the picture's sides that the corner takes
 
 
 @dataclass(frozen=True)
-class Place:
+class Area:
     """The part of a picture that shows one view.
 
     Parameters
@@ -36,8 +36,8 @@ class Place:
         return self.x <= x < self.x + self.size[0] and self.y <= y < self.y + self.size[1]
 
 
-def places(layout, size):
-    """The :class:`Place` of each view of a ``layout`` in a picture of ``size``; later ones cover
+def areas(layout, size):
+    """The :class:`Area` of each view of a ``layout`` in a picture of ``size``; later ones cover
     earlier ones.
 
     A quad whose halves are no multiple of eight pixels leaves columns or rows at its end blank. A
@@ -46,10 +46,10 @@ def places(layout, size):
     width, height = size
     if layout == "Quad":
         half = tuple(side // 2 // _STEP * _STEP for side in size)
-        found = [Place(x, y, half) for y in (0, half[1]) for x in (0, half[0])]
+        found = [Area(x, y, half) for y in (0, half[1]) for x in (0, half[0])]
     elif layout == "Detail":
         part = tuple(int(_SHARE * side) // _STEP * _STEP for side in size)
-        found = [Place(0, 0, size), Place(width - part[0], height - part[1], part)]
+        found = [Area(0, 0, size), Area(width - part[0], height - part[1], part)]
     else:
-        found = [Place(0, 0, size)]
-    return found if min(found[-1].size) >= MIN_SIZE else [Place(0, 0, size)]
+        found = [Area(0, 0, size)]
+    return found if min(found[-1].size) >= MIN_SIZE else [Area(0, 0, size)]

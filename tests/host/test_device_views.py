@@ -1,4 +1,4 @@
-"""Several views in one picture of an emulated device: each is the golden model's, in its place."""
+"""Several views in one picture of an emulated device: each is the golden model's, in its area."""
 
 import numpy as np
 import pytest
@@ -8,7 +8,7 @@ from ncdc_host.client import open_device
 from ncdc_host.client.errors import BadValue
 from ncdc_model.example import noise_picture
 from ncdc_model.golden.corrector import correct
-from ncdc_spec.view_layout import LAYOUTS, Place, places
+from ncdc_spec.view_layout import LAYOUTS, Area, areas
 from ncdc_spec.view_matrix import Angles, PlaneCamera
 
 LENS, RAW = view_lens(), noise_picture(*SIZE)
@@ -93,10 +93,10 @@ def test_registers_take_no_others():
         assert read(None, words["ViewLayout"]) == 0
 
 
-def test_places():
-    assert places("Quad", (1284, 722)) == [
-        Place(x, y, (640, 360)) for y in (0, 360) for x in (0, 640)]
-    assert places("Detail", (640, 480))[1] == Place(400, 304, (240, 176))
-    assert places("Quad", (14, 64)) == places("Single", (14, 64))
-    assert [place.holds(640, 359) for place in places("Quad", (1284, 722))] == [
+def test_areas():
+    assert areas("Quad", (1284, 722)) == [
+        Area(x, y, (640, 360)) for y in (0, 360) for x in (0, 640)]
+    assert areas("Detail", (640, 480))[1] == Area(400, 304, (240, 176))
+    assert areas("Quad", (14, 64)) == areas("Single", (14, 64))
+    assert [area.holds(640, 359) for area in areas("Quad", (1284, 722))] == [
         False, True, False, False]

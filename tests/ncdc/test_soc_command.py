@@ -42,6 +42,13 @@ def test_an_eeprom_that_is_too_large(tmp_path, capsys):
     assert said.endswith("a.bin: the image has 8193 bytes, the EEPROM of the simulation has 8192\n")
 
 
+def test_a_view_needs_nodes(tmp_path, capsys):
+    barrel_descriptor().save(tmp_path / "net.toml")
+    assert main(["soc", "build", "--sim", str(tmp_path / "net.toml"), "--view"]) == 2
+    said = capsys.readouterr().err
+    assert "a view needs nodes" in said and said.count("\n") == 1
+
+
 _RUN = """
 import sys
 from argparse import Namespace

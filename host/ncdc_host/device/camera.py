@@ -16,7 +16,7 @@ from ncdc_model.correction import Correction, coloured
 from ncdc_model.golden.colour import ColourSums
 from ncdc_spec.colour import Colour
 from ncdc_spec.pixel_formats import PixelFormat, packed
-from ncdc_spec.view_layout import places
+from ncdc_spec.view_layout import areas
 from ncdc_spec.view_matrix import Angles, PlaneCamera, has_plane
 
 __all__ = ["Camera", "Frame", "Picture", "picture_of"]
@@ -194,7 +194,7 @@ class Camera:
         lens = correction.descriptor
         if settings.view.pixel_format.raw or not has_plane(lens):
             return correction
-        parts = places(settings.layout, lens.geometry.corrected)
+        parts = areas(settings.layout, lens.geometry.corrected)
         if len(parts) == 1 and settings.looks[0] == Angles():
             return correction
         wanted = [(correction, look, part.size) for look, part in zip(settings.looks, parts)]

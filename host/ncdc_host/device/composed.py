@@ -8,17 +8,17 @@ __all__ = ["ComposedCorrection"]
 
 
 class ComposedCorrection:
-    """Corrects raw frames into several views, each in its place of one picture.
+    """Corrects raw frames into several views, each in its area of one picture.
 
     Parameters
     ----------
     descriptor : Descriptor
     views : list of Correction
-    places : list of Place
+    areas : list of Area
         Of the views, of their sizes; later ones cover earlier ones.
     """
-    def __init__(self, descriptor, views, places):
-        self.descriptor, self._views, self._places = descriptor, views, places
+    def __init__(self, descriptor, views, areas):
+        self.descriptor, self._views, self._areas = descriptor, views, areas
 
     def __call__(self, raw, crest=0):
         """The :class:`~ncdc_model.golden.corrector.Corrected` frame of a ``raw`` one."""
@@ -26,10 +26,10 @@ class ComposedCorrection:
         shape = geometry.corrected[::-1]
         picture = np.full((*shape, 3), geometry.fill, np.uint8)
         blank, fetches = np.ones(shape, bool), 0
-        for view, place in zip(self._views, self._places):
+        for view, area in zip(self._views, self._areas):
             part = view(raw, crest)
-            width, height = place.size
-            at = np.s_[place.y:place.y + height, place.x:place.x + width]
+            width, height = area.size
+            at = np.s_[area.y:area.y + height, area.x:area.x + width]
             picture[at], blank[at] = part.picture, part.blank
             fetches += part.fetches
         return Corrected(picture, blank, fetches)

@@ -33,7 +33,7 @@ from ncdc_spec.sensors.controls import number_in
 from ncdc_spec.sensors.field import FULL
 from ncdc_spec.sensors.framing import field_values, setup_around
 from ncdc_spec.sensors.sensor import Settings as Window
-from ncdc_spec.view_layout import LAYOUTS, MAX_SHOWN, places
+from ncdc_spec.view_layout import LAYOUTS, MAX_SHOWN, areas
 from ncdc_spec.view_matrix import Angles, PlaneCamera, has_plane
 
 __all__ = ["Rejected", "Registers", "Settings", "View"]
@@ -457,15 +457,15 @@ class Registers:
         return looks
 
     def _shown(self, looks=None, layout=None):
-        """Numbers of the angles, and :class:`Place`, of each view of the layout."""
+        """Numbers of the angles, and :class:`Area`, of each view of the layout."""
         layout = LAYOUTS[self._layout if layout is None else layout]
-        return zip(looks or self._looks, places(layout, self._geometry.corrected))
+        return zip(looks or self._looks, areas(layout, self._geometry.corrected))
 
     def _look(self, planes, looks, layout):
         """Raise :class:`InputError` unless lenses of these ``planes`` can look there."""
         for plane in filter(None, planes):
-            for numbers, place in self._shown(looks, layout):
-                plane.looking(_angles_of(numbers), place.size)
+            for numbers, area in self._shown(looks, layout):
+                plane.looking(_angles_of(numbers), area.size)
 
     def _check(self, looks, layout):
         """Raise :class:`Rejected` unless each lens can look there."""

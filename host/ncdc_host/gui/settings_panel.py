@@ -181,7 +181,7 @@ class SettingsPanel(QWidget):
     def _show_looks(self, shown):
         self.look_group.setVisible("Pan" in self._infos)
         several = LAYOUT in self._infos
-        count = len(ShownViews(self._infos).places) if several else 1
+        count = len(ShownViews(self._infos).areas) if several else 1
         self._look_form.setRowVisible(self.layout_box, several)
         self._look_form.setRowVisible(self.selector, count > 1)
         if info := shown.get(LAYOUT):

@@ -2,7 +2,7 @@
 
 from PySide6.QtCore import QPointF, QRectF
 
-from ncdc_spec.view_layout import LAYOUTS, places
+from ncdc_spec.view_layout import LAYOUTS, areas
 
 __all__ = ["LAYOUT", "SELECTOR", "ShownViews"]
 
@@ -14,7 +14,7 @@ class ShownViews:
 
     Attributes
     ----------
-    places : list of Place
+    areas : list of Area
         Of the views, in the whole picture, not mirrored.
     selected : int
         Number of the view that Pan, Tilt, Roll and Zoom are of.
@@ -24,12 +24,12 @@ class ShownViews:
         self._infos = infos
         self._whole = infos["WidthMax"].value, infos["HeightMax"].value
         several = LAYOUT in infos
-        self.places = places(infos[LAYOUT].value if several else LAYOUTS[0], self._whole)
+        self.areas = areas(infos[LAYOUT].value if several else LAYOUTS[0], self._whole)
         self.selected = infos[SELECTOR].choices.index(infos[SELECTOR].value) if several else 0
 
     def share(self, number):
         """Width of a view, as a share of the whole picture's."""
-        return self.places[min(number, len(self.places) - 1)].size[0] / self._whole[0]
+        return self.areas[min(number, len(self.areas) - 1)].size[0] / self._whole[0]
 
     def mirrored(self, name):
         """Whether a direction is mirrored; a sensor may have no such mirror."""
@@ -39,16 +39,16 @@ class ShownViews:
         """Number of the view that is shown at a point of the picture, a QPointF; the selected one
         if there is none."""
         where = self._moved(QPointF(point))
-        return next((k for k, place in reversed(list(enumerate(self.places)))
-                     if place.holds(where.x(), where.y())), self.selected)
+        return next((k for k, area in reversed(list(enumerate(self.areas)))
+                     if area.holds(where.x(), where.y())), self.selected)
 
     def rect(self, number):
         """The part of the picture that shows a view, a QRectF; None if it is not shown."""
-        if number >= len(self.places):
+        if number >= len(self.areas):
             return None
-        place = self.places[number]
-        corner = QPointF(place.x, place.y)
-        ends = [self._moved(one, -1) for one in (corner, corner + QPointF(*place.size))]
+        area = self.areas[number]
+        corner = QPointF(area.x, area.y)
+        ends = [self._moved(one, -1) for one in (corner, corner + QPointF(*area.size))]
         return QRectF(*ends).normalized()
 
     def _moved(self, point, sign=1):

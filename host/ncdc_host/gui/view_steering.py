@@ -129,7 +129,7 @@ class ViewSteering(QObject):
     def _show_outline(self):
         """Mark the selected view, if it is one of several."""
         views = self._views if self.several else None
-        self._tab.view.show_outline(views.rect(views.selected) if views and len(views.places) > 1
+        self._tab.view.show_outline(views.rect(views.selected) if views and len(views.areas) > 1
                                     and self._tab.view.steers else None)
 
     def _value(self, name):

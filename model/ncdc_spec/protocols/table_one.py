@@ -101,9 +101,9 @@ SYSTEM_WORDS = (
     SystemWord("FIELD_TOP", 0xF01A, "ro", "active row where it begins"),
     SystemWord("SENSOR_ADDRESS", 0xF01B, "ro", "the sensor's I2C address, by which a client knows "
                "its registers"),
-    SystemWord("ABILITIES", 0xF01C, "ro", "what this device lets be written. Bit 0: `WIDTH`, "
-               "`HEIGHT`, `OFFSET_X`, `OFFSET_Y`; bit 1: the sensor's mirrors; bit 2: "
-               "`FRAME_RATE`; bit 3: `PAN` to `ZOOM`, a view; bit 4: `VIEW_LAYOUT`, several views"),
+    SystemWord("ABILITIES", 0xF01C, "ro", "what this device lets be written. Bit 0: size and "
+               "offsets of the picture. Bit 1: the sensor's mirrors. Bit 2: `FRAME_RATE`. Bit 3: "
+               "`PAN` to `ZOOM`, a view. Bit 4: `VIEW_LAYOUT`, several views"),
     SystemWord("PAN", 0xF01D, "rw", "direction of the view to the right, hundredths of a degree, "
                "two's complement"),
     SystemWord("TILT", 0xF01E, "rw", "the same, upwards"),
