@@ -12,7 +12,7 @@ from ncdc_host.client.table import TableDevice
 from ncdc_spec.errors import InputError
 from ncdc_spec.protocols import gvcp
 from ncdc_spec.protocols.features import VIEW_FEATURES, feature, system_word
-from ncdc_spec.protocols.table_one import READ, WRITE
+from ncdc_spec.protocols.table_one import RATE, READ, VIEW, WRITE
 from ncdc_spec.registers.register_map import CTRL_COMMIT, STATUS_COMMITTED, registers
 from ncdc_spec.view_matrix import LIMITS, Angles, PlaneCamera
 
@@ -108,6 +108,7 @@ def test_table_one_has_the_same_view(wire):
             assert emulated.get(name) == wire.client.get(name)
             assert emulated.get(name) & 0xFFFF == word
         assert client.get("ViewFocal") == NARROW
+    assert user.ask(READ, system_word("ABILITIES")) == RATE | VIEW
     assert user.ask(WRITE, system_word("PAN"), 9001) == 0xFFFF & -9000
     assert user.ask(READ, system_word("VIEW_FOCAL_UPPER")) == 3
     assert user.ask(READ, system_word("VIEW_FOCAL_LOWER")) == 200_000 - (3 << 16)

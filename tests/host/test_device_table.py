@@ -96,6 +96,23 @@ def test_every_feature_is_set_and_read_back(one):
         assert {f.name for f in FEATURES if f.table} == set(client.names())
 
 
+@pytest.mark.parametrize("abilities,writable", [
+    (table_one.RATE, {"AcquisitionFrameRate"}), (table_one.WINDOW, {"Width", "OffsetY"}),
+    (0, set())])
+def test_a_client_offers_what_the_device_takes(one, abilities, writable):
+    one.registers._abilities = abilities
+    with opened(one) as client:
+        assert "ReverseX" not in client.names() and "ReverseY" not in client.names()
+        assert {name for name in ("Width", "OffsetY", "AcquisitionFrameRate")
+                if client.info(name).writable} == writable
+        with pytest.raises(DeviceError, match="no feature 'ReverseX'"):
+            client.set("ReverseX", True)
+        assert client.set("Gain", 2.0) == 2.0
+    one.registers._abilities |= table_one.MIRRORS
+    with opened(one) as client:
+        assert client.set("ReverseX", True)
+
+
 @pytest.mark.parametrize("name,value,message", [
     ("Width", 65, "Width is 65, the limits are 8 and 64"),
     ("Width", 63, "Width is 63, steps of 2 from 8 on are needed"),

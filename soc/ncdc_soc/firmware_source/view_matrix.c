@@ -7,6 +7,7 @@ enum { PAN, TILT, ROLL, ZOOM, ANGLES };
 #define ELEMENTS 9
 #define QUARTER 9000		/* hundredths of a degree */
 #define TERMS 7			/* of a series: the next one is below 2^-48 */
+#define PART(n) (1.0 / ((n) * ((n) + 1)))
 #define ZOOM_ONE 1000.0
 
 struct turn {
@@ -21,6 +22,7 @@ struct camera {
 static int32_t angles[ANGLES] = {[ZOOM] = (int32_t)ZOOM_ONE};
 static int32_t matrix[ELEMENTS];	/* raw, as in the registers */
 static bool waits;			/* it is not written yet */
+static bool stale;			/* the lens is another one than it was made for */
 static bool client_writes;		/* registers that it has not committed */
 
 static uint32_t corrector_read(uint32_t offset)
@@ -51,13 +53,14 @@ static struct camera camera(void)
 /* 1 - s / (n (n + 1)) (1 - s / ((n + 2) (n + 3)) (1 - ..)) */
 static double series(double square, unsigned n)
 {
+	/* A quotient takes as long as four products. */
+	static const double PARTS[] = {PART(1), PART(2), PART(3), PART(4), PART(5), PART(6), PART(7),
+				       PART(8), PART(9), PART(10), PART(11), PART(12), PART(13),
+				       PART(14)};
 	double sum = 1;
 
-	for (unsigned k = TERMS; k--;) {
-		unsigned at = n + 2 * k;
-
-		sum = 1 - square * sum / (at * (at + 1));
-	}
+	for (unsigned k = TERMS; k--;)
+		sum = 1 - square * PARTS[n + 2 * k - 1] * sum;
 	return sum;
 }
 
@@ -248,9 +251,11 @@ enum refusal view_write(uint32_t address, uint32_t value)
 
 void view_poll(void)
 {
-	if (!HAS_VIEW || !waits || client_writes || committed())
+	if (!HAS_VIEW || !(waits || stale) || client_writes || committed())
 		return;
-	waits = false;
+	if (stale)
+		renew();
+	waits = stale = false;
 	for (unsigned k = 0; k < ELEMENTS; ++k)
 		reg_write(NCDC_BASE + CORRECTOR_VIEW + 4 * k, (uint32_t)matrix[k]);
 	reg_write(NCDC_BASE + CORRECTOR_CTRL, CORRECTOR_COMMIT);
@@ -263,7 +268,7 @@ bool view_lets(uint32_t offset, uint32_t value)
 	if (offset == CORRECTOR_CTRL) {
 		if (value & CORRECTOR_COMMIT) {
 			client_writes = false;
-			renew();
+			stale = true;
 		}
 		return true;
 	}
