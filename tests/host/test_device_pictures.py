@@ -207,7 +207,7 @@ def test_a_descriptor_goes_through_the_registers(nodes):
     table = {r.name: r.address for r in registers(base.hidden_neurons, Formats())}
     words = {table[name]: value & 0xFFFFFFFF for name, value in host_values(other).items()}
     words |= dict(table_words(other.valid))
-    assert descriptor_of_words(base, words).digest == other.digest
+    assert descriptor_of_words(base, words, {}).digest == other.digest
 
 
 class Memory:

@@ -70,6 +70,8 @@ def test_the_selected_view_is_marked(qtbot, tab):
     assert not tab.settings.selector.isHidden() and tab.settings.selector.currentText() == "View 4"
     tab.steering.show("Detail")
     qtbot.waitUntil(lambda: tab.view._outline is None, timeout=SECONDS)     # it has no view 3
+    tab.steering.push(QPointF(1, 0))
+    qtbot.waitUntil(lambda: numbers(tab, 0, "Pan")[0] < 0, timeout=SECONDS)
     tab.steering.magnify(1, QPointF(5, 44))
     qtbot.waitUntil(lambda: tab.view._outline == QRectF(0, 32, 24, 16), timeout=SECONDS)
     tab.steering.show("Single")

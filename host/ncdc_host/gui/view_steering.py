@@ -111,8 +111,11 @@ class ViewSteering(QObject):
     def _with(self, point, act):
         """Call ``act()`` once the view at that point of the picture is selected."""
         views = self._views
-        last = self._waiting[-1][0] if self._waiting else views.selected
-        self._waiting.append((last if point is None else views.under(point), act))
+        number = self._waiting[-1][0] if self._waiting else views.selected
+        if point is not None:
+            number = views.under(point)
+        # The selected view may be none of this layout.
+        self._waiting.append((number if number < len(views.areas) else 0, act))
         self._go_on()
 
     def _go_on(self):
