@@ -49,6 +49,7 @@ def test_three_processes_started_apart_give_the_same_networks(units):
     """A scheduler and two workers; on this machine a worker ends while it works."""
     here, there, photos = {}, {}, units["U0003"]
     with connect(count=1) as workers:
+        workers.client.run(_hang)
         workers.submit("here", photos, REQUEST)
         # The worker ends while it works: its unit comes back without an outcome.
         [pid] = workers.client.run(os.getpid).values()
@@ -65,6 +66,7 @@ def test_three_processes_started_apart_give_the_same_networks(units):
         assert busy(workers.client)
         while len(workers):
             there.update(workers.finished())
+        workers.client.run(_hang)
         workers.submit("lost", photos, REQUEST)
         processes.scheduler.kill()
         with pytest.raises(SchedulerLost):
