@@ -3,6 +3,7 @@
 import json
 import re
 import shutil
+import time
 import zipfile
 from contextlib import closing, contextmanager
 from dataclasses import replace
@@ -13,7 +14,7 @@ import numpy as np
 import pytest
 
 from cameras import barrel_descriptor
-from lots import GOOD, Scripted, begun, begun_at_once, driven, outcome
+from lots import GOOD, Scripted, begun, driven, outcome, together
 from ncdc.cli import main
 from ncdc.cli.lot_run import database_at
 from ncdc.lot.arrivals import Arrivals
@@ -189,8 +190,14 @@ def test_two_stations_share_a_lot(tmp_path):
 
 
 def test_stations_may_begin_a_new_lot_at_once(tmp_path):
-    databases = begun_at_once(tmp_path, 6)
+    databases = together(lambda number: begun(tmp_path, station=f"station {number}"), 6)
     assert [database.counts()["units"] for database in databases] == [6] * 6
+
+    def arriving(number):
+        time.sleep(.02)
+        yield Unit(f"V{number}", ())
+    together(lambda number: databases[number].add(arriving(number), f"station {number}"), 6)
+    assert databases[0].counts()["units"] == 12
     tries = [database.start("U1", f"station {k}") for k, database in enumerate(databases)]
     assert tries == [1, *[None] * 5]
 

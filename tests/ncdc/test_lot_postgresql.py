@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from lots import begun, begun_at_once, driven, outcome
+from lots import begun, driven, outcome, together
 
 pytestmark = pytest.mark.longer
 PROGRAMS = sorted(Path("/usr/lib/postgresql").glob("*/bin"))
@@ -44,7 +44,7 @@ def server():
 
 
 def test_two_stations_at_once_judge_every_unit_once(server):
-    for database in begun_at_once(server, 6):
+    for database in together(lambda number: begun(server, station=f"station {number}"), 6):
         assert database.counts()["units"] == 6
         database.close()
     begun(server, UNITS).close()

@@ -3,17 +3,15 @@
 import os
 import re
 import socket
-from concurrent.futures import ThreadPoolExecutor
 from contextlib import closing, contextmanager, suppress
 from dataclasses import replace
-from threading import Barrier
 from types import SimpleNamespace
 from urllib.error import HTTPError
 from urllib.request import urlopen
 
 import pytest
 
-from lots import Scripted, begun, driven, outcome
+from lots import Scripted, begun, driven, outcome, together
 from ncdc.cli import main
 from ncdc.lot.arrivals import Arrivals
 from ncdc.lot.figures import LIMITS
@@ -111,10 +109,19 @@ def test_a_folder_that_is_no_unit_does_not_stop_the_others(station):
         Arrivals(str(station.folder / "nothing"))
 
 
-def watched(database, batches, answer, station="bench", monkeypatch=None):
+class Slow(Scripted):
+    """Workers whose answer comes at the second look."""
+    looks = 0
+
+    def finished(self, seconds=None):
+        self.looks += 1
+        return super().finished() if self.looks % 2 == 0 else []
+
+
+def watched(database, batches, answer, kind=Scripted):
     """The units that a station judges until all ``batches`` have arrived and are judged."""
     batches = iter(batches)
-    done, workers = [], Scripted(answer)
+    done, workers = [], kind(answer)
 
     def arrivals(known):
         units = next(batches, None)
@@ -122,14 +129,14 @@ def watched(database, batches, answer, station="bench", monkeypatch=None):
             raise KeyboardInterrupt
         return [Unit(serial, (f"/photos/{serial}.png",)) for serial in units or ()]
     with suppress(KeyboardInterrupt):
-        for one in watch_lot(database, workers, Request("dots", neurons=6), LIMITS, station,
+        for one in watch_lot(database, workers, Request("dots", neurons=6), LIMITS, "bench",
                              arrivals):
             done.append(one.serial)
     return done
 
 
 @pytest.fixture(autouse=True)
-def at_once(monkeypatch):
+def no_pause(monkeypatch):
     monkeypatch.setattr("ncdc.lot.run._LOOK", 0)
 
 
@@ -173,6 +180,16 @@ def test_a_unit_that_ends_its_worker_fails_alone(tmp_path):
     batches = [[], ["U3"], [], [], [], [], []]
     assert sorted(watched(database, batches, answer)) == ["U1", "U2", "U3"]
     assert seen == ["U1", "U3", "U1", "U1", "U2"]
+
+
+def test_a_suspect_unit_runs_alone(tmp_path):
+    """What arrives while it runs waits, and is not lost with its worker."""
+    database = begun(tmp_path, 1)
+    batches = [[], [], ["U2"], [], [], ["U3"], [], [], [], [], []]
+    done = watched(database, batches, lambda serial, _: None if serial == "U1" else outcome(),
+                   Slow)
+    assert sorted(done) == ["U1", "U2", "U3"]
+    assert [database.unit(f"U{k}")["tries"] for k in (1, 2, 3)] == [4, 1, 1]
     assert "ended its worker 3 times" in database.unit("U1")["reasons"][0]
 
 
@@ -182,9 +199,10 @@ def test_two_stations_watch_one_folder(tmp_path):
     for serial in serials:
         (tmp_path / "photos" / serial).mkdir(parents=True)
         (tmp_path / "photos" / serial / "0.png").touch()
-    barrier, done = Barrier(2), {"left": [], "right": []}
+    names, done = ("left", "right"), {"left": [], "right": []}
 
-    def station(name):
+    def station(number):
+        name = names[number]
         database = begun(tmp_path, 0, name)
         arrivals = Arrivals(str(tmp_path / "photos"), settle=0)
 
@@ -192,13 +210,11 @@ def test_two_stations_watch_one_folder(tmp_path):
             if database.counts()["pass"] == len(serials):
                 raise KeyboardInterrupt
             return arrivals(known)[:3]
-        barrier.wait()
         with suppress(KeyboardInterrupt):
             for one in watch_lot(database, Scripted(lambda *tag: outcome()), Request("dots"),
                                  LIMITS, name, arrived):
                 done[name].append(one.serial)
-    with ThreadPoolExecutor(2) as pool:
-        list(pool.map(station, done))
+    together(station, 2)
     assert sorted(done["left"] + done["right"]) == sorted(serials)
     database = begun(tmp_path, 0)
     for name in done:

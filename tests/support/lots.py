@@ -9,7 +9,7 @@ from ncdc.lot.run import SchedulerLost, run_lot
 from ncdc.lot.units import Unit
 from ncdc.lot.work import Outcome, Request
 
-__all__ = ["GOOD", "Scripted", "begun", "begun_at_once", "driven", "outcome"]
+__all__ = ["GOOD", "Scripted", "begun", "driven", "outcome", "together"]
 
 GOOD = {"points": 1100, "photos_used": 3, "coverage_percent": 99.0, "neurons": 6,
         "max_error_px": 0.2, "mean_error_px": 0.02, "straightness_px": 0.02, "focal_px": 171.0,
@@ -64,15 +64,15 @@ def begun(where, count=6, station="bench"):
     return database
 
 
-def begun_at_once(where, stations):
-    """The :class:`Database` of each of the stations, all of which begin the lot at one moment."""
-    barrier = Barrier(stations)
+def together(work, count):
+    """List of ``work(number)`` of ``count`` threads, all of which begin at one moment."""
+    barrier = Barrier(count)
 
-    def station(number):
+    def waited(number):
         barrier.wait()
-        return begun(where, station=f"station {number}")
-    with ThreadPoolExecutor(stations) as pool:
-        return list(pool.map(station, range(stations)))
+        return work(number)
+    with ThreadPoolExecutor(count) as pool:
+        return list(pool.map(waited, range(count)))
 
 
 def driven(database, answer, slots=2, station="bench"):
