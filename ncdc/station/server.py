@@ -1,6 +1,7 @@
 """Serves the page of a station, in a thread of its own."""
 
 import asyncio
+import socket
 import threading
 from functools import cache
 from importlib import resources
@@ -17,6 +18,7 @@ from ncdc_spec.errors import InputError
 
 __all__ = ["StationPage"]
 
+_ANY = "0.0.0.0", "::"      # all addresses of this machine
 _FILES = {"station.css": "text/css", "station.js": "text/javascript"}
 _HEADERS = {
     # Whatever a name holds, the browser runs nothing but our own file.
@@ -51,7 +53,8 @@ class StationPage:
             self._sockets = bind_sockets(port, host)
         except OSError as error:
             raise InputError(f"cannot listen on {host}, port {port}: {error.strerror}") from error
-        name = f"[{host}]" if ":" in host else host
+        name = socket.gethostname() if host in ("", *_ANY) else host
+        name = f"[{name}]" if ":" in name else name
         self.url = f"http://{name}:{self._sockets[0].getsockname()[1]}/"
         self._thread = None
 
@@ -95,9 +98,16 @@ class _Handler(RequestHandler):
         for name, value in _HEADERS.items():
             self.set_header(name, value)
 
-    def write_error(self, status_code, **_):
+    def log_exception(self, kind, error, trace):
+        if not isinstance(error, SQLAlchemyError):      # that is the answer
+            super().log_exception(kind, error, trace)
+
+    def write_error(self, status_code, exc_info=(None, None, None), **_):
+        error = exc_info[1]
+        text = (f"the database failed: {reason_of(error)}" if isinstance(error, SQLAlchemyError)
+                else self._reason)
         self.set_header("Content-Type", "text/plain; charset=utf-8")
-        self.finish(f"{status_code} {self._reason}\n")
+        self.finish(f"{status_code} {text}\n")
 
 
 class _State(_Handler):
@@ -107,12 +117,7 @@ class _State(_Handler):
         self._shown = shown
 
     def get(self, part):
-        try:
-            shown = self._shown()
-        except SQLAlchemyError as error:
-            self.send_error(503, reason=f"the database failed: {reason_of(error)}")
-            return
-        text = _template(f"{part or 'page'}.html.jinja").render(shown)
+        text = _template(f"{part or 'page'}.html.jinja").render(self._shown())
         self.finish(text.encode(errors="replace"))      # names of files may be no UTF-8
 
 

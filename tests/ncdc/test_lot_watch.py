@@ -280,12 +280,13 @@ def test_names_are_text(tmp_path):
     assert text.count("&lt;script&gt;alert(1)&lt;/script&gt;") == 4
 
 
-def test_a_page_whose_database_fails_says_so(tmp_path):
+def test_a_page_whose_database_fails_says_so(tmp_path, caplog):
     database = begun(tmp_path, 1)
     with page(database) as get:
         (tmp_path / "lot.db").write_bytes(b"damaged" * 1000)
-        status, _, text = get("state")
-    assert status == 503 and b"the database failed: file is not a database" in text
+        for path in ("state", "picture/U1"):
+            assert get(path)[::2] == (500, b"500 the database failed: file is not a database\n")
+    assert not caplog.records
 
 
 def test_the_page_needs_no_other_machine():
