@@ -83,6 +83,7 @@ class ViewStore(wiring.Component):
         write, read = memory.write_port(), memory.read_port()
         index, value = self._decode(m)
         active = Signal()                           # the bank that views use
+        host = Signal(init=1)                       # the one that an access uses, to its end
         count = Signal(range(self.words))           # number of the word that the copy reads
         configured = Signal()                       # the bank in use has the configuration
         copies = Signal()                           # the copy reads a word
@@ -93,7 +94,7 @@ class ViewStore(wiring.Component):
         # The RAM's own output register, as in WeightStore.
         m.d.sync += came.eq(read.data)
         with m.If(self.held):
-            m.d.comb += read.addr.eq(Cat(index, ~active))
+            m.d.comb += read.addr.eq(Cat(index, host))
         with m.Elif(reads):
             m.d.comb += read.addr.eq(Cat(number, self.entry, active))
         with m.Elif(configured):
@@ -104,6 +105,8 @@ class ViewStore(wiring.Component):
             m.d.sync += count.eq(count + 1)
             with m.If(count == self.words - 1):
                 m.d.sync += [configured.eq(1), self.copying.eq(~configured)]
+        with m.If(~self.held):
+            m.d.sync += host.eq(~active)
         with m.If(self.take):
             m.d.sync += [active.eq(~active), self.copying.eq(1)]
         # The copy writes a word when it has come.
@@ -111,7 +114,7 @@ class ViewStore(wiring.Component):
         copied = register(m, "copied", coming, reset_less=False)
         target = delay(m, Cat(count, active ^ configured), _READ, "target")
         m.d.comb += [
-            write.addr.eq(Mux(copied, target, Cat(index, ~active))),
+            write.addr.eq(Mux(copied, target, Cat(index, host))),
             write.data.eq(Mux(copied, came, value)), write.en.eq(copied | self.write & self.mine),
             self.busy.eq(self.copying | coming | copied | self.load)]
         return m

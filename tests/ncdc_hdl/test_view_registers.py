@@ -279,6 +279,29 @@ def test_a_write_is_kept_or_rejected_when_a_set_is_taken(clock):
     run(bench)
 
 
+@pytest.mark.parametrize("clock", range(12))
+def test_a_read_when_a_set_is_taken(clock):
+    """It gives what was written, from whichever bank."""
+    async def bench(ctx, dut, driver):
+        await driver.write("CTRL", CTRL_START)
+        await driver.begins()
+        await driver.write("VIEW1_WIDTH", 77)
+        await driver.write("CTRL", CTRL_COMMIT)
+        bus, left, value = dut.registers.bus, clock, None
+        ctx.set(bus.address, dut.rows["VIEW1_WIDTH"].address)
+        ctx.set(bus.read, 1)
+        while value is None or left >= 0:
+            ctx.set(dut.registers.ended, left == 0)
+            left -= 1
+            _, _, waits, valid, data = await ctx.tick().sample(
+                bus.waitrequest, bus.readdatavalid, bus.readdata)
+            ctx.set(bus.read, ctx.get(bus.read) & waits)
+            value = data if valid else value
+        assert value == 77 and await driver.read("VIEW1_WIDTH") == 77
+
+    run(bench)
+
+
 def test_which_registers_the_list_holds():
     dut = Dut(3)
     names = [r.name for r in listed(dut.rows.values())]
