@@ -93,7 +93,7 @@ class ViewPlanner:
     """
     def __init__(self, descriptor, memory, timing, views, clock_mhz=CLOCK_MHZ):
         check_view_nodes(descriptor.nodes)
-        self._descriptor, self._views, self._timing = descriptor, views, timing
+        self._descriptor, self._views, self._timing = descriptor, views, cache(timing)
         self._memory, self._clock_mhz = memory, clock_mhz
         self._model = memory_at(memory, clock_mhz)
 
