@@ -29,7 +29,7 @@ HARDWARE = Hardware(bus="axi", format="BGR8")
 # The sensor's times are so many times shorter, and its bus faster.
 _TIME_SCALE = 1000
 _QUEUE_BYTES = 18 * 1024        # of the packetiser: two packets of an MTU of 9000
-_STARTED = "address: "          # what the firmware says when it listens
+_STARTED = "eeprom: "           # what the firmware says when nothing keeps it from answering
 _TIMEOUT_S = 120
 _EEPROM_BYTES = 8192            # as soc_bench.v has it
 _EEPROM_FILE = "eeprom.bin"

@@ -11,9 +11,7 @@
 #define FIRST 0x50		/* address of the first chip */
 #define CHIPS 8
 #define TRIES (12 * CHIPS)	/* of an address: 10 ms, in which a chip ends a write */
-#define MAGIC "NCDE"
-#define LENGTH_AT 8		/* in the image: its length, two bytes */
-#define HEAD 10			/* bytes of the image that are read first */
+#define HEAD NCDC_EEPROM_HEAD	/* bytes of the image that are read first */
 #define POINTER_MAX 2		/* bytes of an address in a chip */
 #define SPACE (MEM_SIZE / 8 * 7)	/* of lwIP's heap, which has few users yet */
 #define LAST (NCDC_I2C_COMMAND_NACK | NCDC_I2C_COMMAND_STOP)
@@ -145,23 +143,21 @@ static bool go_on(uint8_t *head, uint32_t length)
 static bool load_from(uint32_t chip)
 {
 	uint8_t head[HEAD + 1];
-	bool image = false;
+	uint32_t length = 0;
 
 	/* First a byte of address: to a chip that takes one, the second would be data. */
-	for (unsigned pointer = 1; !image && pointer <= POINTER_MAX; ++pointer) {
-		uint32_t length;
-
+	for (unsigned pointer = 1; !length && pointer <= POINTER_MAX; ++pointer) {
 		if (!begin(chip, pointer) || !take(head, HEAD, 0)) {
 			i2c(NCDC_I2C_COMMAND_STOP);
 			return false;
 		}
-		image = !memcmp(head, MAGIC, sizeof MAGIC - 1);
-		length = image ? head[LENGTH_AT] | (uint32_t)head[LENGTH_AT + 1] << 8 : 0;
+		length = ncdc_eeprom_length(head);
 		if (length > HEAD && sizeof(struct memory) + length <= SPACE)
 			return go_on(head, length);
 		if (!take(head + HEAD, 1, LAST))
 			return false;
 	}
+	/* These are too few for an image: the driver says what is wrong. */
 	eeprom_status = RESULTS + ncdc_eeprom_read(head, sizeof head, &BUILT_IN, 0);
 	return true;
 }

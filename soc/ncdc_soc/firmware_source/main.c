@@ -65,8 +65,14 @@ static void camera_poll(void)
 {
 	static bool loaded;
 
-	if (camera_begun() && !loaded && sensor_idle())
-		loaded = eeprom_load();
+	if (!camera_begun() || loaded || !sensor_idle())
+		return;
+	loaded = eeprom_load();
+	if (loaded) {
+		uart_text("eeprom: ");
+		uart_hex(eeprom_status);
+		uart_text("\n");
+	}
 }
 
 /* Called at an exception, after which the processor waits until the watchdog resets all. */

@@ -52,6 +52,20 @@ static uint32_t value_of(const struct ncdc_lens *lens, uint32_t offset)
     return 0;
 }
 
+static int is_image(const uint8_t *image)
+{
+    return equal(image, (const uint8_t *)"NCDE", VERSION);
+}
+
+uint32_t ncdc_eeprom_length(const uint8_t *head)
+{
+    uint32_t length = number(head + LENGTH, 2);
+
+    if (!is_image(head))
+        return 0;
+    return length < NCDC_EEPROM_HEAD ? NCDC_EEPROM_HEAD : length;
+}
+
 static enum ncdc_eeprom_result checked(const uint8_t *image, uint32_t bytes, uint32_t *length)
 {
     uint32_t k;
@@ -60,7 +74,7 @@ static enum ncdc_eeprom_result checked(const uint8_t *image, uint32_t bytes, uin
         ;
     if (k >= bytes)
         return NCDC_EEPROM_EMPTY;
-    if (bytes < VERSION || !equal(image, (const uint8_t *)"NCDE", VERSION))
+    if (bytes < VERSION || !is_image(image))
         return NCDC_EEPROM_MAGIC;
     if (bytes <= VERSION || image[VERSION] != LAYOUT)
         return NCDC_EEPROM_VERSION;

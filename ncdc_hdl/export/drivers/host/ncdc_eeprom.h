@@ -32,6 +32,11 @@ struct ncdc_eeprom_lens {
     uint32_t *valid_rows;
 };
 
+/* For a program that reads a chip byte by byte: bytes of the image that begins with the
+ * NCDC_EEPROM_HEAD bytes at `head`, NCDC_EEPROM_HEAD if it says less, 0 if no image begins there. */
+#define NCDC_EEPROM_HEAD 10u
+uint32_t ncdc_eeprom_length(const uint8_t *head);
+
 /* Read the `bytes` bytes of `image` into `into`, whose `values` and `valid_rows` point to memory
  * for as many as `built_in` has. That lens gives the sizes and all that the image does not hold;
  * `into->lens` may then be given to ncdc_load(). Unless the result is NCDC_EEPROM_OK, `into->lens`
