@@ -86,8 +86,10 @@ def test_registers_take_no_others():
             write(words[name], value)
             assert read(None, words[name]) == 0
         # A view that is not shown may look anywhere; a layout that would show it is rejected.
-        write(words["ViewSelector"], 1)
+        write(words["ViewSelector"], 3)
         write(words["Pan"], 9000)
+        assert read(None, words["Pan"]) == 9000
+        write(words["Pan"], 9001)
         assert read(None, words["Pan"]) == 9000
         write(words["ViewLayout"], 1)
         assert read(None, words["ViewLayout"]) == 0

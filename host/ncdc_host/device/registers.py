@@ -6,13 +6,13 @@ Both protocols read and write these words, so that there is one state, whoever a
 import threading
 from dataclasses import dataclass, replace
 
+from ncdc_host.device.views import Views
 from ncdc_spec.colour import Colour
 from ncdc_spec.errors import InputError
 from ncdc_spec.pixel_formats import BGR8, PixelFormat, bayer_format, format_of_mraw
 from ncdc_spec.protocols.auto_control import GAIN_MIN, OFF, Limits
 from ncdc_spec.protocols.features import (
     AUTO_FEATURES,
-    VIEW_FEATURES,
     feature,
     features_of,
     features_with,
@@ -33,15 +33,13 @@ from ncdc_spec.sensors.controls import number_in
 from ncdc_spec.sensors.field import FULL
 from ncdc_spec.sensors.framing import field_values, setup_around
 from ncdc_spec.sensors.sensor import Settings as Window
-from ncdc_spec.view_layout import LAYOUTS, MAX_SHOWN, areas
-from ncdc_spec.view_matrix import Angles, PlaneCamera, has_plane
+from ncdc_spec.view_layout import LAYOUTS
+from ncdc_spec.view_matrix import Angles
 
 __all__ = ["Rejected", "Registers", "Settings", "View"]
 
 _EXPOSURE_NS = 10_000_000           # after reset: what the photo was taken with
 _WRITABLE = {word.address for word in SYSTEM_WORDS if word.access == "rw"}
-_ANGLES = tuple(one for one in VIEW_FEATURES if one.access == "rw")
-_ANGLE_OF = {one.table[0]: one for one in _ANGLES}
 
 
 def _framing(sensor, geometry, field):
@@ -59,12 +57,6 @@ def _framing(sensor, geometry, field):
                           "DECIMATION_Y": 1, "FIELD_LEFT": 0, "FIELD_TOP": 0,
                           "SENSOR_ADDRESS": sensor.i2c_address}
     return plan.settings, field_values(plan, crop, geometry)
-
-
-def _angles_of(numbers):
-    """The :class:`Angles` of the registers of :data:`VIEW_FEATURES`, by name."""
-    return Angles(**{name.lower(): number / feature(name).scale[1]
-                     for name, number in numbers.items()})
 
 
 class Rejected(Exception):
@@ -166,11 +158,7 @@ class Registers:
         self.bus_accesses = 0
         self._streaming = False
         self._colour = Colour()
-        self._planes = list(planes)     # None of a lens that does not state it
-        # Numbers of the angles of each view.
-        self._looks = [{one.name: round(getattr(Angles(), one.name.lower()) * one.scale[1])
-                        for one in _ANGLES}] * MAX_SHOWN
-        self._layout = self._selected = 0
+        self._views = Views(planes, geometry.corrected)
         self._abilities = WINDOW | MIRRORS | RATE | (VIEW | VIEWS if planes else 0)
         self.auto = dict.fromkeys(AUTO_FEATURES, OFF)
         self.controlled = False
@@ -224,8 +212,7 @@ class Registers:
             pattern = controls.pattern_named(number_in(controls.pattern, self._word))
             return Settings(self._view, self._lens, self.lines * self._line_ns(),
                             self._of_sensor("Gain"), pattern, self._rate, self._colour,
-                            LAYOUTS[self._layout], tuple(
-                                _angles_of(numbers) for numbers, _ in self._shown()))
+                            self._views.layout, self._views.looks)
 
     @property
     def lines(self):
@@ -273,23 +260,12 @@ class Registers:
     @property
     def has_view(self):
         """Whether the device has a view."""
-        return bool(self._planes)
+        return bool(self._views)
 
     def replace_lens(self, number, descriptor):
-        """Take the camera of a lens's picture from another ``descriptor``.
-
-        A lens that does not state it is shown as trained.
-
-        Raises
-        ------
-        InputError
-            If it cannot look as far off its axis as the device does.
-        """
+        """See :meth:`Views.replace_lens`."""
         with self.lock:
-            if self.has_view:
-                plane = PlaneCamera.of(descriptor) if has_plane(descriptor) else None
-                self._look([plane], self._looks, self._layout)
-                self._planes[number] = plane
+            self._views.replace_lens(number, descriptor)
 
     def _change(self):
         for call in self._on_change:
@@ -350,20 +326,11 @@ class Registers:
             "LENS": self._lens, "OFFSET_X": view.x, "OFFSET_Y": view.y,
             "WIDTH_MAX": whole.width, "HEIGHT_MAX": whole.height, "LENS_MAX": self._lens_max,
             "STREAMING": int(self._streaming), "FRAMES": 0, "ABILITIES": self._abilities,
-            **self._field}
-        if self._planes:
-            values |= {name.upper(): number & 0xFFFF
-                       for name, number in self._looks[self._selected].items()}
-            values |= {"VIEW_LAYOUT": self._layout, "VIEW_SELECTED": self._selected}
+            **self._field, **self._views.words()}
         for name, value in (("LINE_TIME", line), ("DROPPED", self.dropped), ("TORN", self.torn),
-                            ("VIEW_FOCAL", self._focal())):
+                            ("VIEW_FOCAL", self._views.focal(self._lens))):
             values[f"{name}_UPPER"], values[f"{name}_LOWER"] = value >> 16 & 0xFFFF, value & 0xFFFF
         return {system_word(name): value for name, value in values.items()}
-
-    def _focal(self):
-        """The number in the register of ViewFocal; 0 if the lens does not state it."""
-        plane = self._planes[self._lens] if self._planes else None
-        return round(feature("ViewFocal").scale[1] * plane.focal) if plane else 0
 
     def _window(self):
         """The sensor's window registers, computed from the picture."""
@@ -423,17 +390,11 @@ class Registers:
             if value > self._lens_max:
                 raise Rejected("value")
             self._lens = value
-        elif address in _ANGLE_OF and self._planes:
-            self._looks = self._turned(_ANGLE_OF[address], value)
-        elif name == "VIEW_LAYOUT" and self._planes:
-            if value >= len(LAYOUTS):
-                raise Rejected("value")
-            self._check(self._looks, value)
-            self._layout = value
-        elif name == "VIEW_SELECTED" and self._planes:
-            if value >= MAX_SHOWN:
-                raise Rejected("value")
-            self._selected = value
+        elif name in self._views.words():
+            try:
+                self._views.write(name, value)
+            except InputError:
+                raise Rejected("value") from None
         else:
             raise Rejected("read only")
 
@@ -444,35 +405,6 @@ class Registers:
                 or view.y + view.height > whole.height):
             raise Rejected("value")
         return view
-
-    def _turned(self, one, word):
-        """The angles of all views with another one of the selected view, whose ``word`` is given;
-        each lens can look there."""
-        number = one.register(lambda _: word)
-        if not one.low <= number <= one.high:
-            raise Rejected("value")
-        looks = list(self._looks)
-        looks[self._selected] = looks[self._selected] | {one.name: number}
-        self._check(looks, self._layout)
-        return looks
-
-    def _shown(self, looks=None, layout=None):
-        """Numbers of the angles, and :class:`Area`, of each view of the layout."""
-        layout = LAYOUTS[self._layout if layout is None else layout]
-        return zip(looks or self._looks, areas(layout, self._geometry.corrected))
-
-    def _look(self, planes, looks, layout):
-        """Raise :class:`InputError` unless lenses of these ``planes`` can look there."""
-        for plane in filter(None, planes):
-            for numbers, area in self._shown(looks, layout):
-                plane.looking(_angles_of(numbers), area.size)
-
-    def _check(self, looks, layout):
-        """Raise :class:`Rejected` unless each lens can look there."""
-        try:
-            self._look(self._planes, looks, layout)
-        except InputError:
-            raise Rejected("value") from None
 
     def _reformatted(self, mraw):
         try:
