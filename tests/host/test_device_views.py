@@ -85,7 +85,7 @@ def test_registers_take_no_others():
         for name, value in (("ViewLayout", len(LAYOUTS)), ("ViewSelector", 4)):
             write(words[name], value)
             assert read(None, words[name]) == 0
-        # A view that is not shown may look anywhere; a layout that would show it is rejected.
+        # What suits no lens waits until it is shown: a layout that would show it is rejected.
         write(words["ViewSelector"], 3)
         write(words["Pan"], 9000)
         assert read(None, words["Pan"]) == 9000
