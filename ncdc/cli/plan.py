@@ -145,7 +145,8 @@ def _planned(args, descriptor, hardware, fixed, views):
 def _view_lines(report):
     """Lines on the worst views of a range; none without it."""
     if "views" in report:
-        yield (f"these are of the slowest of {report['views_scanned']} views tried, "
+        count = report["views_scanned"]
+        yield (f"these are of the slowest of {count} view{'s' * (count > 1)} tried, "
                f"{angles_text(report['slowest_view'])}; with a margin for views between them, at "
                f"most {report['bound_clocks_per_pixel']:.4f} clocks per pixel")
         yield (f"at most {report['most_bytes_read_per_pixel']:.3f} bytes are read per pixel, at "
