@@ -136,7 +136,7 @@ class Corrector(wiring.Component):
                      **capabilities(self.hardware, *self.table.largest, capture=runs)}
         self.registers = Registers(
             rows, host_values(descriptor, self.hardware), constants,
-            view_rows=hardware.view_rows, in_memory=in_memory(rows, self.hardware),
+            in_memory=in_memory(rows, self.hardware),
             neurons=self.hardware.served(descriptor.hidden_neurons))
         self.checks = Checks(self.hardware, *self.table.largest,
                              self.registers.active.shape())
@@ -173,9 +173,12 @@ class Corrector(wiring.Component):
     @property
     def timing(self):
         """:class:`CorrectorTiming` of a corrector with a tile cache."""
-        fetch = self.fetch
+        fetch, settling = self.fetch, 0
+        if self.hardware.view_rows:
+            width = self.descriptor.geometry.corrected_width
+            settling = self.backmap.settling(min(self.hardware.strip or width, width))
         return CorrectorTiming(
-            start=self.start_latency + fetch.start_latency,
+            start=settling + self.start_latency + fetch.start_latency,
             end=fetch.retire.retire_to_window + self.end_latency,
             claim_to_command=fetch.fills.latency,
             fill_to_claim=fetch.fills.credit_latency,

@@ -93,8 +93,8 @@ def add_view_registers(parser):
                         help=f"with --view, a list of up to N views, 2 to {MAX_VIEWS}, that each "
                              "start makes of one raw frame, in parts of one picture in memory")
     parser.add_argument("--view-rows", type=int, default=0, metavar="N",
-                        help=f"with a table of N matrices down the raw frame, {MIN_MATRICES} to "
-                             f"{MAX_MATRICES}, for a rolling shutter; needs --view")
+                        help=f"with a view, and a table of N matrices down the raw frame, "
+                             f"{MIN_MATRICES} to {MAX_MATRICES}, for a rolling shutter")
 
 
 def add_bus(parser):
@@ -124,12 +124,13 @@ def hardware_of(args, board=None):
         offered = {"data_width": board.data_width, "output": "stream",
                    "multiplier_bits": board.multiplier_bits}
         chosen = {name: offered[name] if value is None else value for name, value in chosen.items()}
+    rows = getattr(args, "view_rows", 0)
     return Hardware(fetcher=args.fetch, hidden=args.hidden, share=args.share,
                     lanes=args.pixels_per_clock, format=args.format, colour=args.colour,
                     raw_balance=(getattr(args, "raw_gains", False)
                                  or getattr(args, "raw_balance", None) is not None),
-                    view=getattr(args, "view", False), views=getattr(args, "views", 0),
-                    view_rows=getattr(args, "view_rows", 0),
+                    view=getattr(args, "view", False) or rows != 0, view_rows=rows,
+                    views=getattr(args, "views", 0),
                     bus=getattr(args, "bus", BUSES[0]), video=getattr(args, "video", VIDEOS[0]),
                     **{name: value for name, value in chosen.items() if value is not None})
 

@@ -60,13 +60,12 @@ class Registers(wiring.Component):
     values : dict
         Values after configuration, by name; zero where absent.
     constants : dict
-        What DIGEST, NEURONS, NODES, CAPABILITIES and LARGEST read, by these names.
+        What DIGEST, NEURONS, NODES, CAPABILITIES and LARGEST read, by these names, and
+        VIEW_ROWS_STATUS if there is such.
     in_memory : sequence of Register
         Registers of ``table`` that are in memories, the same for each hidden neuron.
     neurons : int
         Neurons that the network's units could serve, if there are any ``in_memory``.
-    view_rows : int
-        Matrices of a view's table; 0 without one.
 
     Members
     -------
@@ -106,7 +105,7 @@ class Registers(wiring.Component):
     interrupt_latency = 1
     """Clocks from ``ended`` to ``irq``."""
 
-    def __init__(self, table, values, constants, *, in_memory=(), neurons=0, view_rows=0):
+    def __init__(self, table, values, constants, *, in_memory=(), neurons=0):
         self.table, self.values = table, values
         of_list = listed(table)
         # Rows with a register of their own.
@@ -116,7 +115,7 @@ class Registers(wiring.Component):
         self.entries = ViewStore(of_list, values, self.views) if of_list else None
         self.passes = ViewPass(self.views) if of_list else None
         self.constants = {"ID": ID, **constants}
-        self.view_rows = view_rows
+        self.view_rows = constants.get(ROWS_STATUS, 0)          # matrices of a view's table
         self.counting = (*COUNTERS, *(r.name for r in table if r.name in COLOUR_COUNTERS))
         [fault] = [r for r in table if r.name == "FAULT"]
         shadow = {r.name: Shape(r.shape.width, r.shape.signed)
@@ -135,7 +134,7 @@ class Registers(wiring.Component):
             "irq": Out(1),
         } | ({"writes": Out(BANK_WRITES)} if in_memory else {})
           | ({"first": Out(1), "over": Out(1), "lacks": Out(1)} if of_list else {})
-          | ({"row_writes": Out(ROW_WRITES)} if view_rows else {}))
+          | ({"row_writes": Out(ROW_WRITES)} if self.view_rows else {}))
 
     def elaborate(self, platform):
         m = Module()

@@ -234,6 +234,10 @@ def test_a_view_is_generated_at_nodes_only(folder, tmp_path, capsys):
     assert " --view --views 3" in (hardware / "ncdc.v").read_text().partition("module")[0]
     assert "VIEW_X_U" in (hardware / "ncdc_lenses.py").read_text()
     assert "NCDC_VIEW2_PITCH" in (hardware / "ncdc_registers.h").read_text()
+    assert main(["generate", nodes, "-o", str(hardware), "--view", "--view-rows", "3", *fixed]) == 0
+    assert " --view --view-rows 3" in (hardware / "ncdc.v").read_text().partition("module")[0]
+    lenses = (hardware / "ncdc_lenses.py").read_text()
+    assert "VIEW_X_U" in lenses and '"VIEW_ROWS": 0' in lenses
     capsys.readouterr()
     assert main(["generate", nodes, "-o", str(tmp_path / "none"), "--views", "3"]) == 2
     assert "the number of views is 3, it needs hardware with a view" in capsys.readouterr().err

@@ -53,16 +53,15 @@ def test_the_view_of_the_options(asked):
 def test_the_table_of_a_camera_that_turns(asked):
     """It has as many matrices as the hardware has space for, or none if no row is later."""
     Path("gyro.csv").write_text("\n".join([HEAD, *(f"{k / 100},1,.5,-.2" for k in range(9))]))
-    assert asked("--view", "--view-rows", "5") == (True, None) and asked.matrices == 5
+    assert asked("--view-rows", "5") == (True, None) and asked.matrices == 5
     assert asked("--gyro", "gyro.csv")[1].rows is None and asked.matrices == 0
     for options, matrices, step, used in (((), 64, 8, 9), (("--view-rows", "5"), 5, 16, 5)):
-        view, shown = asked("--view", "--gyro", "gyro.csv", "--readout-ms", "20", *options)
+        view, shown = asked("--gyro", "gyro.csv", "--readout-ms", "20", *options)
         assert view and asked.matrices == matrices
         assert (shown.rows.step, len(shown.rows.matrices)) == (step, used)
 
 
 @pytest.mark.parametrize("options,words", [
-    (("out.png", "--view-rows", "9"), "the view's table has 9 matrices, it needs a view"),
     (("out.png", "--view", "--view-rows", "65"), "has 65 matrices, the limits are 2 and 64"),
     (("out.gif", "--gyro", "a.csv", "--sensor", "mt9p031"), "--gyro is given with --camera"),
     (("out.png", "--pan", "9", "--matrix", *"100010001"), "--matrix is given together with angles"),

@@ -18,7 +18,8 @@ from ncdc_spec.camera_port import camera_port
 from ncdc_spec.hardware import Hardware
 
 HARDWARE = {"cache": Hardware(), "stream": Hardware(output="stream", data_width=128),
-            "shared": Hardware(share=2, hidden="raster"), "view": Hardware(view=True, views=3)}
+            "shared": Hardware(share=2, hidden="raster"), "views": Hardware(view=True, views=3),
+            "view": Hardware(view=True, view_rows=9)}
 BIN = Path(sys.executable).parent
 
 

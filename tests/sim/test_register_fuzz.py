@@ -32,7 +32,7 @@ BUILDS = {
     "1 pixel, stream": Hardware(cache=CACHE, output="stream", data_width=64, share=2),
     "2 pixels, stream": Hardware(cache=CACHE, output="stream", lanes=2),
     "4 pixels, stream": Hardware(cache=CACHE, output="stream", lanes=4, data_width=64),
-    "view, memory": Hardware(cache=CACHE, view=True),
+    "view, memory": Hardware(cache=CACHE, view=True, view_rows=4),
     "views, memory": Hardware(cache=CACHE, view=True, views=2, lanes=2, data_width=64),
 }
 

@@ -11,6 +11,7 @@ from ncdc_hdl.registers.weight_store import in_memory
 from ncdc_spec.hardware import Hardware
 from ncdc_spec.registers.host_values import host_values
 from ncdc_spec.registers.register_map import CTRL_COMMIT, CTRL_START, TABLE, registers
+from ncdc_spec.view_rows import ROWS_STATUS
 from pipelines import run_bench
 
 __all__ = ["BY_NAME", "Contract", "D", "Dut", "Host", "ROWS", "RandomWrites", "SHADOW_ROWS",
@@ -33,8 +34,9 @@ class Dut(Elaboratable):
         if view_rows:
             rows = registers(3, D.formats, view=True, view_rows=view_rows)
         constants = {"DIGEST": int(D.digest[:8], 16), "NEURONS": 3,
-                     "CAPABILITIES": 7, "LARGEST": 9}
-        self.registers = Registers(rows, host_values(D), constants, view_rows=view_rows,
+                     "CAPABILITIES": 7, "LARGEST": 9,
+                     **({ROWS_STATUS: view_rows} if view_rows else {})}
+        self.registers = Registers(rows, host_values(D), constants,
                                    in_memory=stored, neurons=hardware.served(3))
         self.table = ValidTable(D.valid, *D.geometry.corrected)
         self.share, self.rst = share, Signal()

@@ -110,7 +110,9 @@ def _integer_map(descriptor, view):
     """The :func:`~ncdc_model.view_map.view_map` of a view by the integer model."""
     v, u = np.indices(view.size[::-1])
     x, y, valid = valid_coordinates(descriptor, u, v, view)
-    return *(descriptor.formats.coordinate.real(part).astype(np.float32) for part in (x, y)), ~valid
+    x, y = (descriptor.formats.coordinate.real(part) for part in (x, y))
+    valid &= descriptor.geometry.inside_by(x, y) >= -1
+    return x.astype(np.float32), y.astype(np.float32), ~valid
 
 
 def _rms(values):

@@ -443,7 +443,7 @@ def counters(table):
 
 
 def capabilities(hardware, width, height, capture=False):
-    """Values of CAPABILITIES and LARGEST, by name.
+    """Values of CAPABILITIES and LARGEST, and of VIEW_ROWS_STATUS if there is such, by name.
 
     Parameters
     ----------
@@ -461,4 +461,5 @@ def capabilities(hardware, width, height, capture=False):
             | hardware.colour << 15 | hardware.data_width // 8 << 16
             | hardware.raw_balance << 22 | capture << 23 | split << 24
             | (VIEW_BIT if hardware.view else 0),
-            "LARGEST": width | height << 16}
+            "LARGEST": width | height << 16,
+            **({ROWS_STATUS: hardware.view_rows} if hardware.view_rows else {})}

@@ -10,6 +10,7 @@ from ncdc_spec.frames import FrameAddresses, frame_bytes, output_format, raw_ima
 from ncdc_spec.registers.host_values import address_values, host_values
 from ncdc_spec.registers.register_map import CTRL_ABORT, STATUS_DONE, TABLE
 from ncdc_spec.view_list import ENTRY_WORDS, entry_register
+from ncdc_spec.view_rows import ROWS_COUNT, ROWS_TABLE
 from simulations.series import aligned, begin, differing, output_bytes
 
 __all__ = ["FuzzResult", "simulate_register_fuzz"]
@@ -125,6 +126,10 @@ def _fuzzed_frame(program, rng, table, right, junk, short):
     program.write(rows["VALID_WINDOW"], 1)
     for row in range(8):
         program.write(TABLE + int(rng.integers(0, 64)), int(rng.integers(0, 1 << 32)))
+    if ROWS_COUNT in rows:
+        values[ROWS_COUNT] = int(rng.integers(0, 6))
+        for address in rng.integers(ROWS_TABLE, 2 * ROWS_TABLE, 20).tolist():
+            program.write(address, int(rng.integers(0, 1 << 32)))
     begin(program, rows, values)
     if values["FOLLOW"] & 1 or rng.random() < .5:
         program.wait(int(rng.integers(1, _TIMEOUT))).write(rows["CTRL"], CTRL_ABORT)
