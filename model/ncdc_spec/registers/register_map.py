@@ -360,16 +360,17 @@ _POSITION = (
              "pixel, a multiple of the memory word"),
     Register(PITCH, 0, "shadow", Bits(PITCH_BITS), "bytes from row to row, a multiple of the "
              "memory word and no less than a row; 0: rows follow without a gap"))
+_ROWS = 0x88              # word address of what controls the table of matrices
 _VIEW_ROWS = (
-    Register(ROWS_COUNT, 0x82, "shadow", Bits(MAX_MATRICES.bit_length()),
+    Register(ROWS_COUNT, _ROWS, "shadow", Bits(MAX_MATRICES.bit_length()),
              "Rolling shutter: matrices of the table that are in use, at most `LIMIT`. "
              "0: none, the view's matrix is that of all rows."),
-    Register(ROWS_STEP, 0x83, "shadow", Bits((len(STEPS) - 1).bit_length()),
+    Register(ROWS_STEP, _ROWS + 1, "shadow", Bits((len(STEPS) - 1).bit_length()),
              "Rolling shutter: raw rows from matrix to matrix; "
              + ", ".join(f"{k}: {step}" for k, step in enumerate(STEPS)) + "."),
-    Register(ROWS_BANK, 0x84, "shadow", Bits(1),
+    Register(ROWS_BANK, _ROWS + 2, "shadow", Bits(1),
              "Rolling shutter: bank of the table that frames use."),
-    _action(ROWS_STATUS, 0x85, "",
+    _action(ROWS_STATUS, _ROWS + 3, "",
             Flag("LIMIT", 0x7F, "ro", "matrices that this instance has space for"),
             Flag("BANK", 0x80, "ro", "bank of the table in use"), access="ro"))
 _HIDDEN, _OUTPUT, _OUTPUT_BIAS, SKIP = 0x100, 0x200, 0x280, 0x284
