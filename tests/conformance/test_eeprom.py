@@ -19,7 +19,10 @@ from ncdc_spec.eeprom import ERRORS, STATES, EepromError, check_like, pack, star
 from ncdc_spec.errors import InputError
 from ncdc_spec.hardware import Hardware
 from ncdc_spec.protocols import gvcp
+from ncdc_spec.protocols.features import feature
 from ncdc_spec.registers.register_map import TABLE, registers
+from ncdc_spec.view import CAMERA_FORMATS
+from ncdc_spec.view_matrix import camera_values
 
 OFFSETS = {r.name: 4 * r.address for r in registers(BUILT_IN.hidden_neurons, BUILT_IN.formats)}
 
@@ -100,19 +103,25 @@ def test_no_flipped_bit_is_accepted():
             assert verdict(GOOD[:at] + bytes([GOOD[at] ^ 1 << bit]) + GOOD[at + 1:]) != "OK"
 
 
-def test_the_driver_in_c_reads_and_rejects_the_same(tmp_path):
-    corrector = Corrector(BUILT_IN, Hardware())
-    for name, text in driver_files(corrector, [("built_in.toml", BUILT_IN)]).items():
+def read_in_c(tmp_path, corrector, built_in, images):
+    """What the driver says of images: the first one's lens, and the results of the others."""
+    for name, text in driver_files(corrector, [("built_in.toml", built_in)]).items():
         (tmp_path / name).write_text(text)
     (tmp_path / "main.c").write_text(C)
     compile_c(tmp_path, "-fsanitize=address,undefined", "-fno-sanitize-recover", "-o", "main",
               "main.c", "ncdc_eeprom.c", "ncdc_lenses.c", "ncdc.c")
-    (tmp_path / "good").write_bytes(GOOD)
-    for number, (content, _) in enumerate(DAMAGED.values()):
+    for number, content in enumerate(images):
         (tmp_path / f"{number}").write_bytes(content)
-    done = subprocess.run(["./main", "good", *map(str, range(len(DAMAGED)))], cwd=tmp_path,
+    done = subprocess.run(["./main", *map(str, range(len(images)))], cwd=tmp_path,
                           check=True, text=True, stdout=subprocess.PIPE)
     good, _, rest = done.stdout.partition("end\n")
+    return good, rest
+
+
+def test_the_driver_in_c_reads_and_rejects_the_same(tmp_path):
+    corrector = Corrector(BUILT_IN, Hardware())
+    good, rest = read_in_c(tmp_path, corrector, BUILT_IN,
+                           [GOOD, *(content for content, _ in DAMAGED.values())])
     result, about, *numbers = good.splitlines()
     lens = Lens.of(corrector, OTHER)
     assert result == "0" and about == f"A0017 {OTHER.digest}"
@@ -125,6 +134,20 @@ def test_the_driver_in_c_reads_and_rejects_the_same(tmp_path):
     names = list(ERRORS)
     assert {name: names[int(code) - 1] for name, code in zip(DAMAGED, rest.split())} == {
         name: expected for name, (_, expected) in DAMAGED.items()}
+
+
+def test_a_lens_of_an_image_does_not_have_the_camera_of_the_built_in_one(tmp_path):
+    built_in = replace(barrel_descriptor((200, 40), (210, 50), hidden_neurons=2), nodes=8,
+                       provenance={"frame": [60.0, 20.0, 15.0]})
+    assert all(camera_values(built_in).values())
+    corrector = Corrector(built_in, Hardware(view=True))
+    good, _ = read_in_c(tmp_path, corrector, built_in, [pack("A0017", built_in)])
+    result, _, *numbers = good.splitlines()
+    values = dict(line.split() for line in numbers if " " in line)
+    offsets = {r.name: str(4 * r.address) for r in corrector.registers.table}
+    assert result == "0"
+    assert {name: values[offsets[name]] for name in CAMERA_FORMATS} == dict.fromkeys(
+        CAMERA_FORMATS, "0")
 
 
 # In a chip an image that is cut goes on, with ones.
@@ -162,12 +185,12 @@ def chip(tmp_path):
 @pytest.mark.longer
 @pytest.mark.parametrize("address_bytes,busy,waiting", [
     (1, 0, 0), (2, 0, 0), (2, 11, 0), (2, 5, 5)])
-def test_the_firmware_loads_the_lens(wire_firmware, chip, address_bytes, busy, waiting):
+def test_the_firmware_loads_the_lens(plain_firmware, chip, address_bytes, busy, waiting):
     """Every register and valid row is that of the lens, in the other bank, and committed; after a
     write of the chip, and after another commit."""
     corrector = Corrector(BUILT_IN, Hardware(bus="axi", format="BGR8", colour=True))
     lens = Lens.of(corrector, OTHER)
-    with Wire(wire_firmware, *chip(GOOD, address_bytes, busy, waiting)) as wire:
+    with Wire(plain_firmware, *chip(GOOD, address_bytes, busy, waiting)) as wire:
         values, rows, (bank, control) = core_of(wire, lens)
         assert status_of(wire) == "Loaded"
     expected = {name: value & 0xFFFFFFFF for name, value in lens.values.items()}
@@ -177,11 +200,11 @@ def test_the_firmware_loads_the_lens(wire_firmware, chip, address_bytes, busy, w
 
 
 @pytest.mark.longer
-def test_the_firmware_rejects_the_same_and_changes_nothing(wire_firmware, chip):
+def test_the_firmware_rejects_the_same_and_changes_nothing(plain_firmware, chip):
     lens = Lens.of(Corrector(BUILT_IN, Hardware(bus="axi", format="BGR8")), BUILT_IN)
     found = {}
     for name, content in CHIPS.items():
-        with Wire(wire_firmware, *chip(content)) as wire:
+        with Wire(plain_firmware, *chip(content)) as wire:
             found[name] = status_of(wire).upper()
             values, rows, rest = core_of(wire, lens)
             assert not any((*values.values(), *rows, *rest)), name
@@ -194,13 +217,24 @@ def test_the_firmware_rejects_the_same_and_changes_nothing(wire_firmware, chip):
 @pytest.mark.parametrize("content,address_bytes,busy,expected", [
     (b"", 1, 0, "Empty"), (bytes(2048), 1, 0, "Empty"), (b"GIF89a", 1, 0, "Magic"),
     (GOOD[:100], 1, 0, "Checksum"), (b"NCDE\x01", 1, 0, "Length"), (GOOD, 2, 12, "NoChip")])
-def test_other_chips(wire_firmware, chip, content, address_bytes, busy, expected):
+def test_other_chips(plain_firmware, chip, content, address_bytes, busy, expected):
     """With addresses of a byte; one that ends no write in 10 ms."""
-    with Wire(wire_firmware, *chip(content, address_bytes, busy)) as wire:
+    with Wire(plain_firmware, *chip(content, address_bytes, busy)) as wire:
         assert status_of(wire) == expected
 
 
 @pytest.mark.longer
-def test_without_a_chip(wire_firmware):
-    with Wire(wire_firmware) as wire:
+def test_without_a_chip(plain_firmware):
+    with Wire(plain_firmware) as wire:
         assert status_of(wire) == "NoChip"
+
+
+@pytest.mark.longer
+def test_a_view_knows_nothing_of_the_camera_of_a_lens_of_the_chip(wire_firmware, chip):
+    """Its focal length is 0, and the matrix is committed anew."""
+    address = feature("ViewFocal").address
+    with Wire(wire_firmware, *chip(pack("A0017", replace(OTHER, nodes=8)))) as wire:
+        assert status_of(wire) == "Loaded"
+        answer, = wire.datagram(gvcp.command_packet(gvcp.READREG, 1, struct.pack(">I", address)))
+        assert gvcp.parse_acknowledge(answer)[3] == bytes(4)
+        assert len(wire.commits) == 2

@@ -6,6 +6,7 @@
 #include "lwip/mem.h"
 #include "ncdc_eeprom.h"
 #include "sensor.h"
+#include "view_matrix.h"
 #include "watchdog.h"
 
 #define FIRST 0x50		/* address of the first chip */
@@ -117,8 +118,10 @@ static bool load(struct memory *memory, uint32_t length)
 		return false;
 	if (loaded)
 		found = NCDC_EEPROM_KIND;
-	else if (!found)
+	else if (!found) {
 		ncdc_commit(&device);
+		view_renew();
+	}
 	eeprom_status = RESULTS + found;
 	return true;
 }

@@ -249,6 +249,11 @@ enum refusal view_write(uint32_t address, uint32_t value)
 	return DONE;
 }
 
+void view_renew(void)
+{
+	stale = true;
+}
+
 void view_poll(void)
 {
 	if (!HAS_VIEW || !(waits || stale) || client_writes || committed())
@@ -268,7 +273,7 @@ bool view_lets(uint32_t offset, uint32_t value)
 	if (offset == CORRECTOR_CTRL) {
 		if (value & CORRECTOR_COMMIT) {
 			client_writes = false;
-			stale = true;
+			view_renew();
 		}
 		return true;
 	}

@@ -18,6 +18,9 @@ uint32_t view_focal(void);
  * registers. */
 enum refusal view_write(uint32_t address, uint32_t value);
 
+/* Another lens is committed, for which the matrix is to be made anew. */
+void view_renew(void);
+
 /* Writes and commits a matrix that waits, all of it at once. */
 void view_poll(void);
 

@@ -228,6 +228,12 @@ enum ncdc_eeprom_result ncdc_eeprom_read(const uint8_t *image, uint32_t bytes,
             into->values[k].value = image[PATTERN];
         else if (into->values[k].offset == NCDC_FILL)
             into->values[k].value = number(image + FILL, 3);
+#ifdef NCDC_PLANE_FOCAL
+        /* The image does not state the camera of the lens's picture; that of another lens is wrong. */
+        else if (into->values[k].offset >= NCDC_PLANE_FOCAL
+                && into->values[k].offset <= NCDC_PLANE_ASPECT)
+            into->values[k].value = 0;
+#endif
     }
     hex(image + DIGEST, into->digest);
     for (k = 0; k < SERIAL_BYTES; ++k)
