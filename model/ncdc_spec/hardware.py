@@ -92,7 +92,7 @@ class Hardware:
         fetcher is to give more than one pixel per clock or gains of raw samples, packets of
         Intel's suite are asked of anything but a stream of Avalon's with one pixel per clock, or
         several views of hardware without a view, or of a stream, or a table of matrices without
-        a view, beside a list of views, or of other than 2 to 64.
+        a view, with a list of views, or of other than 2 to 64.
     """
     data_width: int = 32
     output: str = "memory"
