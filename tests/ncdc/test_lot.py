@@ -322,7 +322,7 @@ def test_the_commands_of_the_guide_run(tmp_path, monkeypatch, capsys):
         return replace(outcome(), descriptor=(tmp_path / "net.toml").read_text())
     monkeypatch.setattr("ncdc.lot.workers.connect", connect)
     guide = (ROOT / "docs" / "howto" / "production_lot.md").read_text()
-    lines = re.findall(r"^    ncdc (.*)$", guide, re.MULTILINE)
+    lines = re.findall(r"^    ncdc (lot .*)$", guide, re.MULTILINE)
     actions = [line.split()[1] for line in lines]
     assert actions == ["run", "watch", "report", "show", "export", "compare", "run"]
     monkeypatch.setattr("ncdc.cli.lot_watch.StationPage", lambda host, port: StationPage(host, 0))
