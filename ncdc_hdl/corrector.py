@@ -223,7 +223,9 @@ class Corrector(wiring.Component):
         way = (self.backmap, self.to_window, self.window, self.to_gate, self.row_gate, self.fetch)
         for source, sink in pairwise(way):
             wiring.connect(m, source.o, sink.i)
-        m.d.comb += [self.row_gate.start.eq(begun), self.row_gate.abort.eq(registers.abort),
+        # All views of a list are of one raw frame: its rows are counted from the first view on.
+        anew = begun & registers.first if self.hardware.views else begun
+        m.d.comb += [self.row_gate.start.eq(anew), self.row_gate.abort.eq(registers.abort),
                      self.row_gate.camera_rows.eq(self.camera_rows)]
         wiring.connect(m, self.fetch.o, self.interpolator.i)
         m.d.comb += self.fetch.memory_rst.eq(self.memory_rst)

@@ -41,7 +41,8 @@ class RowGate(wiring.Component):
     Members
     -------
     start : ``In(1)``
-        First clock of a frame; its first group comes at least 3 clocks later.
+        First clock of a frame, of a list of views the first one's; its first group comes at least
+        3 clocks later.
     follow : ``In(1)``
         Whether windows are delayed; constant during a frame.
     height : ``In(SIZE)``

@@ -29,7 +29,12 @@ from ncdc_spec.sensors.catalogue import sensor_named, setup
 from ncdc_spec.sensors.sensor import Settings
 from ncdc_spec.view_list import Entry, list_values, placed, quad
 from simulations.register_fuzz import simulate_register_fuzz
-from simulations.view_passes import random_entries, simulate_passes, simulate_wrong_lists
+from simulations.view_passes import (
+    random_entries,
+    simulate_follow,
+    simulate_passes,
+    simulate_wrong_lists,
+)
 from views import random_view
 
 FOCAL = 25      # pixels of the trained pictures
@@ -103,6 +108,19 @@ def test_two_cameras_side_by_side():
               for k, (d, _) in enumerate(pair)]
     result = simulate_passes(corrector, verilog, pair, halves, together=True)
     assert result.differing[-1] == 0 and result.outside == 0 and result.pixels == (384, 384)
+
+
+@pytest.mark.longer
+def test_no_view_waits_for_the_next_frame_of_the_camera():
+    """With early start the rows of the raw frame, once counted, are there for all views."""
+    (descriptor, raw), (corrector, verilog) = cameras()[0], built(views=3)
+    rng, line = np.random.default_rng(9), 1000
+    views = [random_view(rng, descriptor.geometry, FOCAL, (40, 20)) for _ in range(3)]
+    entries = placed(views, [(0, 20 * k) for k in range(3)], (40, 60))
+    differing, early, clocks = simulate_follow(corrector, verilog, (descriptor, raw), entries,
+                                               line, memory="ideal")
+    assert (differing, early) == (0, 0)
+    assert clocks < 1.5 * line * descriptor.geometry.distorted_height
 
 
 @pytest.mark.longer

@@ -6,7 +6,7 @@ import numpy as np
 
 from ncdc_hdl.export.drivers.lenses import Lens
 from ncdc_model.golden.view_list import compose
-from ncdc_sim.system.frame import UNWRITTEN, Program, simulate_frame
+from ncdc_sim.system.frame import UNWRITTEN, Camera, Program, simulate_frame
 from ncdc_spec.frames import OUTPUT_FORMATS, raw_image
 from ncdc_spec.registers.register_map import (
     FAULT_TARGET,
@@ -20,7 +20,7 @@ from ncdc_spec.view_list import Entry, buffer_bytes, list_values
 from simulations.series import aligned, begin
 from views import random_view
 
-__all__ = ["PassResult", "random_entries", "simulate_passes",
+__all__ = ["PassResult", "random_entries", "simulate_follow", "simulate_passes",
            "simulate_wrong_lists"]
 
 
@@ -135,6 +135,47 @@ def simulate_wrong_lists(corrector, verilog, camera, entries, cases, **options):
     wrong = np.frombuffer(result.output, np.uint8) != expected
     return (tuple(int(wrong[start - starts[0]:][:aligned(size)].sum()) for start in starts[:-1]),
             result.counters["outside_bytes"])
+
+
+def simulate_follow(corrector, verilog, camera, entries, line, **options):
+    """Make a pass of ``entries`` with early start, of a camera that begins its next frame, in
+    another buffer, when the first view is complete.
+
+    Parameters
+    ----------
+    corrector, verilog : Corrector, str
+    camera : (Descriptor, ndarray of uint8)
+    entries : sequence of Entry
+    line : int
+        Clocks of the camera from row to row.
+    options :
+        As of :func:`ncdc_sim.system.frame.simulate_frame`.
+
+    Returns
+    -------
+    (int, int, int)
+        Bytes that are not those of the golden model; read commands for rows that were not there;
+        clocks from the start to the interrupt.
+    """
+    rows = {r.name: r.address for r in corrector.registers.table}
+    descriptor, raw = camera
+    pitch = Lens.of(corrector, descriptor).values["SOURCE_PITCH"]
+    content = raw_image(raw, pitch)
+    second = aligned(len(content))
+    start, size = 2 * second, buffer_bytes(entries, corrector.hardware.data_width)
+    program = Program().allow((0, second), (start, start + size))
+    program.write(rows["IRQ_ENABLE"], 1).camera(0)
+    _begin(program, rows, corrector, descriptor, entries, 0, {
+        "SOURCE_BASE": 0, "SOURCE_LIMIT": second, "TARGET_BASE": start,
+        "TARGET_LIMIT": start + size, "FOLLOW": 1})
+    program.poll(rows["VIEWS_STATE"], corrector.hardware.views | 1 << 8)
+    program.camera(second).wait_irq().compare(rows["FAULT"], 0)
+    result = simulate_frame(
+        verilog, content.ljust(2 * second, b"\0"), program, source_base=0, output_base=start,
+        output_bytes=size, camera=Camera(*raw.shape[::-1], pitch, line), **options)
+    expected = compose(descriptor, raw, entries, np.full(size, UNWRITTEN, np.uint8))
+    wrong = np.frombuffer(result.output, np.uint8) != expected
+    return int(wrong.sum()), result.counters["early_reads"], result.clocks[0]
 
 
 def _begin(program, rows, corrector, descriptor, entries, bank, addresses, changed=None):
