@@ -145,6 +145,18 @@ def test_the_view_has_the_camera_of_a_lens_that_is_loaded(wire):
         assert wire.client.get("Pan") == 2000
 
 
+def test_a_lens_that_cannot_look_so_far_is_seen_straight_on(wire):
+    assert wire.client.set(Pan=8900) == [gvcp.SUCCESS]
+    wire.wait(5)
+    lens = view_lens(focal=4 * NARROW)
+    wire.take_camera(lens)
+    assert wire.client.write(corrector("CTRL"), CTRL_COMMIT) == gvcp.SUCCESS
+    wire.wait(5)
+    assert wire.commits[-1] == PlaneCamera.of(lens).looking(Angles()).matrix
+    assert wire.client.get("Pan") == 0
+    assert wire.client.set(Tilt=100) == [gvcp.SUCCESS]
+
+
 def test_a_client_waits_for_the_commit_of_a_view(wire):
     wire.put(AT["STATUS"], STATUS_COMMITTED)
     data = gvcp.command_packet(gvcp.WRITEREG, 900, corrector("VALID_BANK").to_bytes(4, "big")

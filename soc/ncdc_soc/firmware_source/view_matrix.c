@@ -209,14 +209,19 @@ static void use(const int32_t raw[ELEMENTS])
 }
 
 /* A client has committed a lens, whose camera may be another one. If that cannot look so far, the
- * view is straight on. */
+ * view is straight on, and so are the angles that clients read. */
 static void renew(void)
 {
 	static const int32_t STRAIGHT[ANGLES] = {[ZOOM] = (int32_t)ZOOM_ONE};
 	int32_t raw[ELEMENTS];
 
-	if (raw_matrix(angles, raw) || raw_matrix(STRAIGHT, raw))
-		use(raw);
+	if (!raw_matrix(angles, raw)) {
+		if (!raw_matrix(STRAIGHT, raw))
+			return;
+		for (unsigned k = 0; k < ANGLES; ++k)
+			angles[k] = STRAIGHT[k];
+	}
+	use(raw);
 }
 
 uint32_t view_focal(void)
