@@ -296,6 +296,12 @@ for step, matrices in ((9, []), (8, [[0] * 9] * 4), (8, [[0] * 8]), (8, [[1 << 2
         corrector.view_rows(step, matrices)
     except CorrectorError as error:
         print(error)
+def read(offset):
+    if offset == r.OFFSET["STATUS"]:    # a commit has ended just before
+        words[r.OFFSET["VIEW_ROWS_STATUS"]] ^= r.VIEW_ROWS_STATUS_BANK
+    return words.get(offset, 0)
+Corrector(read, words.__setitem__).view_rows(8, [[5] * 9])
+print(words[table], words[r.OFFSET["VIEW_ROWS_BANK"]])
 del r.OFFSET["VIEW_ROWS"]
 try:
     corrector.view_rows(8, [])
@@ -306,9 +312,12 @@ except CorrectorError as error:
 VIEW_ROWS_C = """#include <stdio.h>
 #include "ncdc.h"
 static uint32_t words[0x4000];
+static uint32_t taken;      /* changes when a commit ends, just before STATUS is read */
 static uint32_t read_word(void *context, uint32_t offset)
 {
     (void)context;
+    if (offset == NCDC_STATUS)
+        words[NCDC_VIEW_ROWS_STATUS / 4] |= taken;
     return words[offset / 4];
 }
 static void write_word(void *context, uint32_t offset, uint32_t value)
@@ -326,8 +335,12 @@ int main(void)
     printf("%d ", (int)words[NCDC_VIEW_ROWS_BANK / 4]);
     printf("%d %d ", (int)words[(NCDC_VIEW_MATRICES + 4096 + 24) / 4],
            (int)words[(NCDC_VIEW_MATRICES + 4096 + 64) / 4]);
-    printf("%d %d", ncdc_view_rows(&device, 1, matrices, 3) == NCDC_ERROR_SIZE,
+    printf("%d %d ", ncdc_view_rows(&device, 1, matrices, 3) == NCDC_ERROR_SIZE,
            ncdc_view_rows(&device, 4, matrices, 1) == NCDC_ERROR_SIZE);
+    taken = NCDC_VIEW_ROWS_STATUS_BANK;
+    printf("%d ", ncdc_view_rows(&device, 1, matrices, 2));
+    printf("%d %d", (int)words[NCDC_VIEW_ROWS_BANK / 4],
+           (int)words[(NCDC_VIEW_MATRICES + 24) / 4]);
     return 0;
 }
 """
@@ -347,11 +360,12 @@ def test_the_drivers_write_a_table_of_matrices(tmp_path):
         "there are 4 matrices, the limit is 3",
         "matrix 0 is [0, 0, 0, 0, 0, 0, 0, 0], nine integers of -67108864 to 67108863 are needed",
         f"matrix 0 is {[1 << 26] * 9}, nine integers of -67108864 to 67108863 are needed",
+        "5 1",
         "the corrector has no table of matrices: it was generated without --view-rows"], done.stderr
     (tmp_path / "rows.c").write_text(VIEW_ROWS_C)
     compile_c(tmp_path, "-o", "rows", "rows.c", "ncdc.c", "ncdc_lenses.c")
     done = subprocess.run([tmp_path / "rows"], check=True, text=True, stdout=subprocess.PIPE)
-    assert done.stdout == "0 1 6 -1 1 1"
+    assert done.stdout == "0 1 6 -1 1 1 0 0 6"
     compiler = RDLCompiler()
     compiler.compile_file(str(tmp_path / "ncdc.rdl"))
     names = {node.inst_name for node in compiler.elaborate().top.descendants()}

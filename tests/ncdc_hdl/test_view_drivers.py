@@ -43,7 +43,7 @@ words = {r.OFFSET["ID"]: r.ID_VALUE, r.OFFSET["CAPABILITIES"]: r.VERSION | r.CAP
 before = dict(words)
 corrector = Corrector(lambda offset: words.get(offset, 0), words.__setitem__)
 entries = json.loads(sys.argv[1])
-for wrong in ([], 2 * entries, [{"ANGLE": 3}]):
+for wrong in ([], 2 * entries, [{"ANGLE": 3}], [{"PITCH": 1 << 16}]):
     try:
         corrector.views(wrong)
     except CorrectorError as error:
@@ -65,10 +65,11 @@ def test_the_python_driver_writes_a_list(folder):
                 if name.startswith(f"VIEW{k}_")} for k in range(4)]
     done = subprocess.run([sys.executable, "-c", PYTHON, json.dumps(entries)], cwd=folder,
                           text=True, capture_output=True)
-    none, many, unknown, written, without = done.stdout.splitlines()
+    none, many, unknown, wide, written, without = done.stdout.splitlines()
     assert none == "there are 0 views, the limits are 1 and 4"
     assert many == "there are 8 views, the limits are 1 and 4"
     assert unknown == "VIEW0_ANGLE is no register of the list of views"
+    assert wide == "VIEW0_PITCH is 65536, the limits are 0 and 65535"
     assert json.loads(written) == {name: value & 0xFFFFFFFF for name, value in VALUES.items()}
     assert without == "the corrector has no list of views: it was generated without --views"
 
@@ -85,11 +86,12 @@ static void put(void *context, uint32_t offset, uint32_t value)
 int main(void)
 {
     static const struct ncdc device = {get, put, 0};
-    static const struct ncdc_view views[4] = {%s};
+    static const struct ncdc_view views[4] = {%s}, wide = {.pitch = 1 << 16};
     unsigned k;
 
     words[NCDC_VIEWS_STATE / 4] = 4;
-    printf("%%d %%d ", ncdc_views(&device, views, 0), ncdc_views(&device, views, 5));
+    printf("%%d %%d %%d ", ncdc_views(&device, views, 0), ncdc_views(&device, views, 5),
+           ncdc_views(&device, &wide, 1));
     words[NCDC_STATUS / 4] = NCDC_STATUS_COMMITTED;
     printf("%%d ", ncdc_views(&device, views, 4));
     words[NCDC_STATUS / 4] = 0;
@@ -113,8 +115,8 @@ def test_the_c_driver_writes_a_list(folder):
     compile_c(folder, "-o", "views", "views.c", "ncdc.c", "ncdc_lenses.c")
     first, *lines = subprocess.run([folder / "views"], check=True, text=True,
                                    stdout=subprocess.PIPE).stdout.splitlines()
-    # NCDC_ERROR_SIZE twice, NCDC_ERROR_COMMITTED, nothing written yet, NCDC_OK.
-    assert first == "8 8 3 0 0"
+    # NCDC_ERROR_SIZE three times, NCDC_ERROR_COMMITTED, nothing written yet, NCDC_OK.
+    assert first == "8 8 8 3 0 0"
     written = {int(address): int(word) for address, word in map(str.split, lines)}
     expected = {ROWS[name].address: value & 0xFFFFFFFF for name, value in VALUES.items()}
     assert written == {address: word for address, word in

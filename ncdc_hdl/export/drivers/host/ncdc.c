@@ -108,6 +108,9 @@ enum ncdc_result ncdc_views(const struct ncdc *device, const struct ncdc_view *v
 
     if (!count || count > field(get(device, NCDC_VIEWS_STATE), NCDC_VIEWS_STATE_MAX))
         return NCDC_ERROR_SIZE;
+    for (k = 0; k < count; ++k)
+        if (views[k].pitch > UINT16_MAX)
+            return NCDC_ERROR_SIZE;     /* the register would keep its lowest bits */
     if (get(device, NCDC_STATUS) & NCDC_STATUS_COMMITTED)
         return NCDC_ERROR_COMMITTED;
     for (k = 0; k < count; ++k) {
@@ -132,15 +135,16 @@ enum ncdc_result ncdc_views(const struct ncdc *device, const struct ncdc_view *v
 enum ncdc_result ncdc_view_rows(const struct ncdc *device, uint32_t step,
                                 const int32_t (*matrices)[9], uint32_t count)
 {
-    uint32_t status = get(device, NCDC_VIEW_ROWS_STATUS);
-    uint32_t bank = status & NCDC_VIEW_ROWS_STATUS_BANK ? 0 : 1;
-    uint32_t table = NCDC_VIEW_MATRICES + 4096 * bank;
-    uint32_t k, number;
+    uint32_t status, bank, table, k, number;
 
-    if (count > field(status, NCDC_VIEW_ROWS_STATUS_LIMIT) || step > 3)
-        return NCDC_ERROR_SIZE;
+    /* A commit that waits could still change the bank in use. */
     if (get(device, NCDC_STATUS) & NCDC_STATUS_COMMITTED)
         return NCDC_ERROR_COMMITTED;
+    status = get(device, NCDC_VIEW_ROWS_STATUS);
+    bank = status & NCDC_VIEW_ROWS_STATUS_BANK ? 0 : 1;
+    table = NCDC_VIEW_MATRICES + 4096 * bank;
+    if (count > field(status, NCDC_VIEW_ROWS_STATUS_LIMIT) || step > 3)
+        return NCDC_ERROR_SIZE;
     for (k = 0; k < count; ++k)
         for (number = 0; number < 9; ++number)
             put(device, table + 64 * k + 16 * (number / 3) + 4 * (number % 3),

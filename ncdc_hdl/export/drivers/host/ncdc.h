@@ -89,7 +89,8 @@ enum ncdc_result ncdc_check(const struct ncdc *device);
 int ncdc_altered(const struct ncdc *device);
 
 /* Write a lens to the set that the next commit makes active, its valid rows to the bank that is
- * not in use. A frame that runs meanwhile does not use it. */
+ * not in use. A frame that runs meanwhile does not use it. The lens comes with one view, its own
+ * picture: load it first, then write views and matrices. */
 enum ncdc_result ncdc_load(const struct ncdc *device, const struct ncdc_lens *lens);
 
 /* Memory of the raw and of the corrected frame of `lens`, also for the next commit. Nothing
@@ -101,7 +102,7 @@ enum ncdc_result ncdc_place(const struct ncdc *device, const struct ncdc_lens *l
 #ifdef NCDC_VIEWS
 /* Views that each start makes of one raw frame, from the next commit on. All write to the buffer of
  * ncdc_place(), which must have the bytes that they need. NCDC_ERROR_SIZE if there are none, or more
- * than the corrector makes. */
+ * than the corrector makes, or a pitch has more than 16 bits. */
 enum ncdc_result ncdc_views(const struct ncdc *device, const struct ncdc_view *views,
                             uint32_t count);
 #endif

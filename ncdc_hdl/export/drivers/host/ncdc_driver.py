@@ -8,6 +8,7 @@ __all__ = ["Corrector", "CorrectorError", "grey_world"]
 _COLOURS = ("RED", "GREEN", "BLUE")
 _LARGEST_NODE = 256     # largest node of a tone curve
 _LARGEST_NUMBER = (1 << 26) - 1     # of a table of matrices
+_LARGEST_PITCH = (1 << 16) - 1      # of a list of views
 
 
 class CorrectorError(RuntimeError):
@@ -87,7 +88,8 @@ class Corrector:
         """Write ``lens``, a dict of ncdc_lenses.py, to the set that the next commit makes active.
 
         Its valid rows go to the bank that is not in use; a frame that runs meanwhile does not
-        use them.
+        use them. The lens comes with one view, its own picture: load it first, then write
+        views and matrices.
 
         Raises
         ------
@@ -264,8 +266,8 @@ class Corrector:
         Raises
         ------
         CorrectorError
-            If there are none or too many, a word is unknown, a commit still waits, or the corrector
-            has no list of views.
+            If there are none or too many, a word is unknown, a pitch is beyond 16 bits, a commit
+            still waits, or the corrector has no list of views.
         """
         if "VIEWS" not in registers.OFFSET:
             raise CorrectorError("the corrector has no list of views: it was generated without "
@@ -275,9 +277,11 @@ class Corrector:
             raise CorrectorError(f"there are {len(entries)} views, the limits are 1 and {most}")
         values = {f"VIEW{k}_{word}": value for k, entry in enumerate(entries)
                   for word, value in entry.items()}
-        for name in values:
+        for name, value in values.items():
             if name not in registers.OFFSET:
                 raise CorrectorError(f"{name} is no register of the list of views")
+            if name.endswith("_PITCH") and not 0 <= value <= _LARGEST_PITCH:
+                raise CorrectorError(f"{name} is {value}, the limits are 0 and {_LARGEST_PITCH}")
         self._free(self.get("STATUS"))
         for name, value in (values | {"VIEWS": len(entries)}).items():
             self.put(name, value)
@@ -299,6 +303,7 @@ class Corrector:
         if "VIEW_ROWS" not in registers.OFFSET:
             raise CorrectorError("the corrector has no table of matrices: it was generated without "
                                  "--view-rows")
+        self._free(self.get("STATUS"))      # a commit that waits could still change the bank
         status = self.get("VIEW_ROWS_STATUS")
         limit = _field(status, registers.VIEW_ROWS_STATUS_LIMIT)
         if step not in registers.VIEW_ROW_STEPS:
@@ -312,7 +317,6 @@ class Corrector:
                                        for number in matrix):
                 raise CorrectorError(f"matrix {k} is {list(matrix)}, nine integers of "
                                      f"{-_LARGEST_NUMBER - 1} to {_LARGEST_NUMBER} are needed")
-        self._free(self.get("STATUS"))
         bank = 0 if status & registers.VIEW_ROWS_STATUS_BANK else 1
         for k, matrix in enumerate(matrices):
             for number, value in enumerate(matrix):
