@@ -67,7 +67,8 @@ class Corrector(wiring.Component):
         start it, besides the host.
     hardware : ncdc_spec.hardware.Hardware
         With the output "memory" a burst writer stores pixels in the format that a register
-        chooses, row after row without a gap. With "stream" it has a video stream source instead.
+        chooses, row after row without a gap, or where a list of views has them. With "stream" it
+        has a video stream source instead.
 
     Members
     -------

@@ -50,9 +50,10 @@ class Registers(wiring.Component):
     list has is in a :class:`ViewStore`, and in ``active`` while its view is made.
 
     Timing: one access at a time; it is accepted after 5 clocks of waiting, when all changes
-    are complete, and data follow a clock later. An access during a copy of weights waits until
-    its end. The clock after ``ended`` is that of the next ``begin``, with or without a commit.
-    Only a commit during the copy of the last one's weights waits, with its frame.
+    are complete, and data follow a clock later. An access during a copy of weights or of the
+    list, or a load of an entry, waits until its end. The clock after ``ended`` is that of the next
+    ``begin``, with or without a commit; with a list ``ViewStore.load_clocks`` come between. Only a
+    commit during the copy of the last one's weights or list waits, with its frame.
 
     Parameters
     ----------
@@ -186,7 +187,7 @@ class Registers(wiring.Component):
         with m.If(control["START"] & self.running):
             m.d.sync += status["REFUSED"].eq(1)
         control["START"] = control["START"] & ~self.running | self.start
-        flow = self._passes(m, held) if self.entries else (self.begin, self.ended, self.cut)
+        flow = self._passes(m) if self.entries else (self.begin, self.ended, self.cut)
         self._frames(m, flow, take, copying, control, held, status)
         self._count(m, flow[1], counted)
         self._altered(m, written, store_written, altered)
@@ -266,7 +267,7 @@ class Registers(wiring.Component):
                         m.d.sync += self.active[name].eq(entries.value)
         return stored | entries.read, write & entries.mine & ~ready
 
-    def _passes(self, m, held):
+    def _passes(self, m):
         """Make a pass of each frame; return when it begins, when it is over, and what it lacks."""
         m.submodules.views = views = self.passes
         begin = Signal(name="pass_begin")

@@ -353,8 +353,8 @@ _LIST_CONTROL = (
              "Views that a start makes, of one raw frame, from 1 on."),
     _action("VIEWS_STATE", 0x81, "",
             Flag("MAX", 0xF, "ro", "most views that a start makes; 0: there is no list of views"),
-            Flag("DONE", 0xF00, "ro", "views that have ended, one that was aborted too, of the start "
-                 "that runs, or of the last one"), access="ro"))
+            Flag("DONE", 0xF00, "ro", "views that have ended, one that was aborted too, of the "
+                 "start that runs, or of the last one"), access="ro"))
 _POSITION = (
     Register(OFFSET, 0, "shadow", Bits(ADDRESS_BITS), "bytes from `TARGET_BASE` to its first "
              "pixel, a multiple of the memory word"),
