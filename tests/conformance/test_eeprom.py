@@ -175,22 +175,22 @@ def core_of(wire, lens):
 @pytest.fixture
 def chip(tmp_path):
     """``chip(content)``: arguments of the firmware with that content of its EEPROM."""
-    def made(content, address_bytes=2, busy=0, waiting=0):
+    def made(content, address_bytes=2, busy=0, waiting=0, rejected=0):
         path = tmp_path / "chip.bin"
         path.write_bytes(content)
-        return path, address_bytes, busy, waiting
+        return path, address_bytes, busy, waiting, rejected
     return made
 
 
 @pytest.mark.longer
-@pytest.mark.parametrize("address_bytes,busy,waiting", [
-    (1, 0, 0), (2, 0, 0), (2, 11, 0), (2, 5, 5)])
-def test_the_firmware_loads_the_lens(plain_firmware, chip, address_bytes, busy, waiting):
+@pytest.mark.parametrize("address_bytes,busy,waiting,rejected", [
+    (1, 0, 0, 0), (2, 0, 0, 0), (2, 11, 0, 0), (2, 5, 5, 0), (2, 0, 0, 1)])
+def test_the_firmware_loads_the_lens(plain_firmware, chip, address_bytes, busy, waiting, rejected):
     """Every register and valid row is that of the lens, in the other bank, and committed; after a
-    write of the chip, and after another commit."""
+    write of the chip, after another commit, and after a write that was rejected."""
     corrector = Corrector(BUILT_IN, Hardware(bus="axi", format="BGR8", colour=True))
     lens = Lens.of(corrector, OTHER)
-    with Wire(plain_firmware, *chip(GOOD, address_bytes, busy, waiting)) as wire:
+    with Wire(plain_firmware, *chip(GOOD, address_bytes, busy, waiting, rejected)) as wire:
         values, rows, (bank, control) = core_of(wire, lens)
         assert status_of(wire) == "Loaded"
     expected = {name: value & 0xFFFFFFFF for name, value in lens.values.items()}

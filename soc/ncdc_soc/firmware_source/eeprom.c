@@ -99,7 +99,8 @@ static void core_write(void *context, uint32_t offset, uint32_t value)
 	reg_write(NCDC_BASE + offset, value);
 }
 
-/* Loads the lens of a whole image; false: a client has just loaded another one. */
+/* Loads the lens of a whole image; false: a client has just loaded another one, or a write was rejected,
+ * perhaps before. */
 static bool load(struct memory *memory, uint32_t length)
 {
 	static const struct ncdc device = {.read = core_read, .write = core_write};
@@ -114,7 +115,7 @@ static bool load(struct memory *memory, uint32_t length)
 	built_in.values = memory->values;
 	found = ncdc_eeprom_read(memory->image, length, &built_in, &from);
 	loaded = found ? NCDC_OK : ncdc_load(&device, &from.lens);
-	if (loaded == NCDC_ERROR_COMMITTED)
+	if (loaded == NCDC_ERROR_COMMITTED || loaded == NCDC_ERROR_REFUSED)
 		return false;
 	if (loaded)
 		found = NCDC_EEPROM_KIND;

@@ -13,7 +13,8 @@
  * matrix.
  * The sensor's registers take what is written; at first they hold what the firmware would set them to.
  * Arguments, if there is an EEPROM: a file of its content, the bytes of an address in it, how often it
- * does not answer at first, and how often a commit of another lens is seen to wait.
+ * does not answer at first, how often a commit of another lens is seen to wait, and whether a write was
+ * rejected before.
  * A new frame is complete whenever time passes. */
 #include "chip.h"
 #include "machine.h"
@@ -153,6 +154,8 @@ static void show_commit(void)
 
 void reg_write(uint32_t address, uint32_t value)
 {
+	if (address == NCDC_BASE + NCDC_STATUS)
+		value = core[NCDC_STATUS / 4] & ~value;
 	if (address == NCDC_BASE + CORRECTOR_CTRL && value & CORRECTOR_COMMIT)
 		show_commit();
 	if (address == LINK_CONTROL && value & LINK_CONTROL_SEND)
@@ -253,9 +256,10 @@ int main(int count, char **arguments)
 		*system_register(NCDC_CAPTURE_GAINS) |= AUTO_RATIO_UNITY << AUTO_RATIO_BITS * c;
 	balanced[0] = balanced[1] = balanced[2] = *system_register(NCDC_CAPTURE_GAINS);
 	identify();
-	if (count == 5) {
+	if (count == 6) {
 		chip_begin(arguments[1], (unsigned)atoi(arguments[2]), (unsigned)atoi(arguments[3]));
 		waiting = (unsigned)atoi(arguments[4]);
+		core[NCDC_STATUS / 4] = atoi(arguments[5]) ? NCDC_STATUS_REFUSED : 0;
 	}
 	machine_begin();
 	while (fgets(line, sizeof line, stdin)) {
