@@ -37,9 +37,9 @@ class Checks(wiring.Component):
     -------
     active : ``In(active)``
     faults : ``Out(FAULTS)``
-        A base or the pitch is no multiple of the memory word. A size, or the number of
-        matrices in use, is outside its limits. The format of pixels in memory is unknown, or loses
-        colours.
+        A base, an offset or a pitch is no multiple of the memory word. A size, a pitch, or the
+        number of views or matrices in use, is outside its limits. The format of pixels in memory is
+        unknown, or loses colours.
     """
 
     latency = 1

@@ -261,10 +261,12 @@ _FIXED = (
                  "pixels were not written, because they are not between `TARGET_BASE` and "
                  "`TARGET_LIMIT`"),
             Flag("ALIGNMENT", FAULT_ALIGNMENT, "w1c",
-                 "a frame was rejected: a base or the pitch is no multiple of the memory word"),
+                 "a frame was rejected: a base, an offset or a pitch is no multiple of the memory "
+                 "word"),
             Flag("SIZE", FAULT_SIZE, "w1c",
-                 "a frame was rejected. A size, the pitch, the strip or the split is beyond its "
-                 "limits, or the width is no multiple of the pixels per clock"),
+                 "a frame was rejected. A size, a pitch, the strip, the split, or the number of "
+                 "views or matrices is beyond its limits. Or the width is no multiple of the "
+                 "pixels per clock"),
             Flag("FORMAT", FAULT_FORMAT, "w1c",
                  "a frame was rejected: `OUTPUT_FORMAT` is none of its values, or "
                  f"{MONO8.name} and `BAYER_PHASE` names no grey sensor"),
@@ -298,7 +300,8 @@ _FIXED = (
              "1: the lens may be another one than DIGEST says. A register of it was written since "
              "the reset, or a valid row of the bank in use since configuration."),
     Register("OUTPUT_FORMAT", 0x28, "shadow", Bits(2),
-             "Bytes of a pixel in memory, pixels and rows without a gap. "
+             "Bytes of a pixel in memory, pixels without a gap, and rows too unless a view has a "
+             "pitch. "
              + "; ".join(f"{one.code} {one.name}: {one.text}" for one in OUTPUT_FORMATS.values())
              + ". A stream takes no notice."),
     Register("CREST", 0x29, "shadow", Bits(2),
