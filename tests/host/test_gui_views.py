@@ -1,6 +1,7 @@
 """The window with several views: the one under the cursor moves, and is marked."""
 
 import math
+import threading
 
 import pytest
 from PySide6.QtCore import QPointF, QRectF
@@ -93,3 +94,16 @@ def test_wheel_and_menu(qtbot, tab):
     qtbot.waitUntil(lambda: tab.infos["ViewLayout"].value == "Single", timeout=SECONDS)
     assert SIZE == (64, 48) and tab.steering._views.rect(0) == QRectF(0, 0, 64, 48)
     tab.setParent(None)
+
+
+def test_the_panel_may_select_another_view_meanwhile(qtbot, tab):
+    gate = threading.Event()
+    tab.session._jobs.put(gate.wait)            # no change is sent before the second one is there
+    tab.steering.magnify(1, LOWER_RIGHT)
+    tab.set_feature("ViewSelector", "View1")
+    gate.set()
+    qtbot.waitUntil(lambda: tab.infos["ViewSelector"].value == "View1", timeout=SECONDS)
+    tab.steering.magnify(1, LOWER_LEFT)
+    qtbot.waitUntil(lambda: numbers(tab, 2, "Zoom") == [pytest.approx(1.1, abs=.001)],
+                    timeout=SECONDS)
+    assert numbers(tab, 3, "Zoom") == [1]

@@ -146,10 +146,11 @@ class ViewSteering(QObject):
                 self._sent[name] = self._tab.set_feature(name, value), value
 
     def _written(self, name, serial):
-        if name in self._sent and self._sent[name][0] == serial:
+        # Of several changes of a feature that wait for their turn, only the last one is answered.
+        if name in self._sent and self._sent[name][0] <= serial:
             del self._sent[name]
-        if serial == self._selecting:
+        if name == SELECTOR and self._selecting is not None and self._selecting <= serial:
             self._selecting = None
             if self._waiting and self._waiting[0][0] != self._views.selected:
-                self._waiting = []          # the device has rejected it
+                self._waiting = []          # rejected, or changed by the panel
             self._go_on()
