@@ -89,7 +89,7 @@ def _files(args):
     outputs += [given[name] for name in ("vcd", "fst") if given.get(name)]
     inputs = []
     for name in ("descriptor", "image", "source", "reference", "previous", "calibration", "photo",
-                 "photos"):
+                 "photos", "view_list", "gyro", "eeprom"):
         value = given.get(name) or []
         inputs += value if isinstance(value, list) else [value]
     return outputs, inputs, streams

@@ -119,7 +119,7 @@ def _correct_one(args, path):
 def _correct_views(args, images):
     """Several views of one raw frame in one picture."""
     check_suffix(args.output)
-    check_alone(args, ("--gyro", args.gyro))
+    check_alone(args)
     if len(images) > 1 or images == ["-"] or is_pc_camera(images[0]) or is_film(images[0]):
         raise InputError(f"--view-list is given with {args.image[0]}, it takes one picture")
     descriptor, views = Descriptor.load(args.descriptor), ViewsFile.load(args.view_list)
@@ -131,4 +131,6 @@ def _correct_views(args, images):
     report = {"hidden_neurons": descriptor.hidden_neurons, "views": len(views.views),
               "pixels": views.size[0] * views.size[1], "model": model}
     if not write_report(report, args.json):
-        print(f"{args.output}: {len(views.views)} views in {views.size[0]}x{views.size[1]} pixels")
+        count = len(views.views)
+        print(f"{args.output}: {count} view{'s' * (count > 1)} in {views.size[0]}x{views.size[1]} "
+              f"pixels")

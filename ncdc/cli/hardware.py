@@ -23,7 +23,7 @@ from ncdc_spec.nodes import row_nodes
 from ncdc_spec.view_list import MAX_VIEWS
 from ncdc_spec.view_rows import MAX_MATRICES, MIN_MATRICES
 
-__all__ = ["add_bus", "add_fixed", "add_format", "add_hardware", "add_lanes",
+__all__ = ["add_bus", "add_fixed", "add_format", "add_hardware", "add_lanes", "add_single_view",
            "add_view_registers", "choice_line", "fixed_of", "front_end_line", "hardware_of",
            "planned"]
 
@@ -84,11 +84,16 @@ def add_hardware(parser):
                              "pixel until they are written, and sums of a frame's colours")
 
 
-def add_view_registers(parser):
-    """Declare the options --view, --views and --view-rows."""
+def add_single_view(parser):
+    """Declare the option --view."""
     parser.add_argument("--view", action="store_true",
                         help="with registers for the matrix of a view (pan, tilt, zoom, roll), "
                              "which changes no pixel until it is written; needs a network at nodes")
+
+
+def add_view_registers(parser):
+    """Declare the options --view, --views and --view-rows."""
+    add_single_view(parser)
     parser.add_argument("--views", type=int, default=0, metavar="N",
                         help=f"with --view, a list of up to N views, 2 to {MAX_VIEWS}, that each "
                              "start makes of one raw frame, in parts of one picture in memory")

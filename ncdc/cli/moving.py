@@ -49,7 +49,7 @@ def run_moving(args, descriptor):
                           ("--crest", None if args.crest == "off" else args.crest),
                           ("--white-balance", args.white_balance),
                           ("--raw-balance", args.raw_balance), ("--matrix", args.matrix),
-                          ("--gyro", args.gyro), *view_options(args)):
+                          *view_options(args)):
         if given is not None:
             raise InputError(f"{option} is given with --camera {args.sensor}, which does not take "
                              f"it")

@@ -9,7 +9,7 @@ import numpy as np
 
 from ncdc.cli.common import add_json, add_samples, raw_frame, write_report
 from ncdc.cli.field import add_field, field_of
-from ncdc.cli.hardware import add_view_registers
+from ncdc.cli.hardware import add_single_view
 from ncdc.cli.renamed import add_renamed
 from ncdc_model.golden.corrector import check_raw
 from ncdc_model.images import check_suffix, write_image
@@ -43,7 +43,7 @@ def add_arguments(parser) -> None:
         add_field(action)
         action.add_argument("--colour", action="store_true",
                             help="gains of the colours and automatic white balance")
-        add_view_registers(action)
+        add_single_view(action)
         if name == "build":
             add_json(action)
             continue

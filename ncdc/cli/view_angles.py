@@ -68,8 +68,10 @@ def view_of(args, descriptor):
 
 
 def view_options(args):
-    """(option, value) of each option of :func:`add_view`; the value is None if it is not given."""
-    return [(f"--{name.replace('_', '-')}", getattr(args, name)) for name in (*LIMITS, "view_size")]
+    """(option, value) of each option of :func:`add_view` and :func:`add_stabilisation`; the value
+    is None if it is not given."""
+    return [(f"--{name.replace('_', '-')}", getattr(args, name))
+            for name in (*LIMITS, "view_size", "gyro", *_STABILISATION)]
 
 
 class ChosenView:

@@ -33,7 +33,7 @@ def add_view_list(parser):
 
 def check_alone(args, *more):
     """Raise :class:`InputError` if an option is given that --view-list does not take: those of
-    colour and of one view, and ``more`` of (option, value or None)."""
+    colour, of one view and of stabilisation, and ``more`` of (option, value or None)."""
     for option, given in (("--tone", args.tone), ("--crest", args.crest if args.crest != "off"
                                                    else None),
                           ("--white-balance", args.white_balance),

@@ -49,6 +49,14 @@ def test_a_view_needs_nodes(tmp_path, capsys):
     assert "a view needs nodes" in said and said.count("\n") == 1
 
 
+@pytest.mark.parametrize("option", ["--views", "--view-rows"])
+def test_the_firmware_has_one_view_alone(tmp_path, capsys, option):
+    with pytest.raises(SystemExit) as end:
+        main(["soc", "build", "--sim", str(tmp_path / "net.toml"), "--view", option, "4"])
+    assert end.value.code == 2
+    assert f"unrecognized arguments: {option} 4" in capsys.readouterr().err
+
+
 _RUN = """
 import sys
 from argparse import Namespace

@@ -93,6 +93,11 @@ def test_files_that_are_rejected(folder, capsys, change, message):
     ("correct", ("--pan", "3"), "--pan is given with --view-list"),
     ("correct", ("--tone", "sRGB"), "--tone is given with --view-list"),
     ("correct", ("raw.png",), "it takes one picture"),
+    ("correct", ("--gyro", "gyro.csv"), "--gyro is given with --view-list"),
+    ("correct", ("--json", "views.toml"), "views.toml would replace the input views.toml"),
+    ("simulate", ("--gyro", "gyro.csv"), "--gyro is given with --view-list"),
+    ("simulate", ("--readout-ms", "4"), "--readout-ms is given with --view-list"),
+    ("simulate", ("--field", "full"), "--field is given with --view-list"),
     ("simulate", ("--follow",), "--follow is given with --view-list"),
     ("simulate", ("--views", "9", "--view"), "the number of views is 9, the limits are 2 and 8")])
 def test_options_that_do_not_go_with_it(folder, capsys, command, options, message):
