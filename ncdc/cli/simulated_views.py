@@ -20,7 +20,8 @@ _MIN_VIEWS = 2          # of hardware with a list
 def run_views(args, descriptor):
     """Simulate, compare, write, report; 1 if a pixel differs."""
     check_alone(args, ("--camera", args.sensor), ("--field", args.field),
-                ("--follow", args.follow or None), ("--line-clocks", args.line_clocks), ("--matrix", args.matrix))
+                ("--follow", args.follow or None), ("--line-clocks", args.line_clocks),
+                ("--matrix", args.matrix))
     views = ViewsFile.load(args.view_list)
     hardware = hardware_of(args)
     entries = views.entries(descriptor, output_format(hardware.format))
