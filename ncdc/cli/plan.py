@@ -93,8 +93,8 @@ def run(args) -> None:
     descriptor = Descriptor.load(args.descriptor)
     views = view_range_of(args, descriptor)
     if views and args.follow:
-        raise InputError("--follow is given with a range of views, early start is planned for the "
-                         "trained picture only")
+        raise InputError("--follow is given with a range of views, ncdc simulate --follow has the "
+                         "bound of one view")
     framing = setup_around(args.camera, descriptor.geometry, field=field_of(args),
                            exposure_us=_EXPOSURE_US) if args.camera else None
     fixed = fixed_of(args, follow_strip(args, descriptor.geometry))

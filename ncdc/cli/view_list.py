@@ -67,7 +67,7 @@ class ViewsFile:
         """
         table = parse_text(path, "list of views", tomllib.loads)
         with reading(path):
-            _check_names(table, "it", (*_SIDES, "view"))
+            _check_names(table, (*_SIDES, "view"))
             size = (_whole(table, "width", MIN_SIZE, _MAX_WIDTH),
                     _whole(table, "height", MIN_SIZE, _MAX_HEIGHT))
             views = table["view"]
@@ -101,19 +101,20 @@ class ViewsFile:
 
 
 def _view(number, table):
-    what = f"view {number}"
-    if not isinstance(table, dict):
-        raise InputError(f"{what} is no table")
-    _check_names(table, what, (*_CORNER, *_SIDES, *LIMITS))
-    corner = tuple(_whole(table, name, 0, MAX_VIEWS * MAX_SIZE, 0) for name in _CORNER)
-    size = tuple(_whole(table, name, MIN_SIZE, MAX_SIZE) for name in _SIDES)
-    return Angles(**{name: _real(table, name) for name in LIMITS if name in table}), corner, size
+    with reading(f"view {number}"):
+        if not isinstance(table, dict):
+            raise InputError("a table is needed")
+        _check_names(table, (*_CORNER, *_SIDES, *LIMITS))
+        corner = tuple(_whole(table, name, 0, MAX_VIEWS * MAX_SIZE, 0) for name in _CORNER)
+        size = tuple(_whole(table, name, MIN_SIZE, MAX_SIZE) for name in _SIDES)
+        angles = Angles(**{name: _real(table, name) for name in LIMITS if name in table})
+        return angles, corner, size
 
 
-def _check_names(table, what, known):
+def _check_names(table, known):
     for name in table:
         if name not in known:
-            raise InputError(f"{what} has the value {name}, {', '.join(known)} are known")
+            raise InputError(f"it has the value {name}, {', '.join(known)} are known")
 
 
 def _real(table, name):

@@ -69,11 +69,12 @@ def test_simulate_has_hardware_for_the_views(folder, monkeypatch):
 
 @pytest.mark.parametrize("change,message", [
     (("width = 64\nheight = 48", "width = 64"), "lacks the value 'height'"),
-    (("row = 2", "line = 2"), "view 1 has the value line, column, row, width"),
+    (("row = 2", "line = 2"), "view 1: it has the value line, column, row, width"),
     (("row = 2", "row = 40"), "view 1 has 16x12 pixels from column 44, row 40 on, the picture has "
                               "64x48"),
     (("row = 2", "row = 2.5"), "row is 2.5, an integer of 0 to"),
-    (("height = 12", "height = 7"), "height is 7, an integer of 8 to 4096 is needed"),
+    (("width = 16\n", ""), "views.toml: view 1 lacks the value 'width'"),
+    (("height = 12", "height = 7"), "view 1: height is 7, an integer of 8 to 4096 is needed"),
     (("zoom = 2.5", "zoom = 9"), "zoom is 9, the limits are 0.25 and 8"),
     (("zoom = 2.5", "zoom = true"), "zoom is True, a number is needed"),
     (("zoom = 2.5", "zoom = \"2\""), "zoom is '2', a number is needed"),
