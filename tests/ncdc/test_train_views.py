@@ -49,8 +49,6 @@ def test_a_distance_that_is_given_stays():
         at_nodes(1, pan=(40.0, 40.0))
 
 
-
-
 def test_the_command(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "info.yaml").write_text(
@@ -64,5 +62,9 @@ def test_the_command(tmp_path, monkeypatch, capsys):
     assert descriptor.errors["views"]["pan"] == [-10, 10]
     worst = descriptor.errors["views_nodes_px"][str(descriptor.nodes)]["max"]
     assert f"add at most {worst:.5f} px in the views tried, at pan" in shown
-    assert main([*command, "--view-pan", "5:2"]) == 2
-    assert "pan is 5 to 2, the first number must be the smaller one" in capsys.readouterr().err
+    for options, message in (
+            (("--view-pan", "5:2"), "pan is 5 to 2, the first number must be the smaller one"),
+            (("--view-pan", "5", "--nodes", "1"), "a view needs nodes")):
+        assert main([*command, *options]) == 2
+        said = capsys.readouterr().err
+        assert message in said and "training" not in said

@@ -8,6 +8,7 @@ from ncdc_spec.errors import InputError
 from ncdc_spec.float_network import check_gamma
 from ncdc_spec.formats import Formats
 from ncdc_spec.nodes import NODES
+from ncdc_spec.view import check_view_nodes
 
 __all__ = ["HELD_OUT", "TrainingChoices"]
 
@@ -49,7 +50,8 @@ class TrainingChoices:
     Raises
     ------
     InputError
-        If ``weight_bits``, ``gamma`` or ``nodes`` is out of range.
+        If ``weight_bits``, ``gamma`` or ``nodes`` is out of range, or ``nodes`` is 1 and there are
+        ``views``.
     """
     trainer: str = "lm"
     seed: int = 0
@@ -65,6 +67,8 @@ class TrainingChoices:
 
     def __post_init__(self):
         check_gamma(self.gamma)
+        if self.views:
+            check_view_nodes(self.nodes)
         if self.weight_bits is not None:
             check_weight_bits(self.weight_bits)
         if self.nodes != "auto" and self.nodes not in NODES:

@@ -22,7 +22,6 @@ from ncdc_spec.descriptor import Descriptor
 from ncdc_spec.errors import InputError
 from ncdc_spec.geometry import ValidRows
 from ncdc_spec.nodes import NODES, check_nodes
-from ncdc_spec.view import check_view_nodes
 
 __all__ = ["TrainedCamera", "describe", "train_camera"]
 
@@ -150,8 +149,8 @@ def _at_nodes(draft, choices):
     Raises
     ------
     InputError
-        If the error in the trained picture is above the limit, the picture is too narrow for
-        the nodes, or a network at every pixel is to have views.
+        If the error in the trained picture is above the limit, or the picture is too narrow for
+        the nodes.
     """
     wanted, views = choices.nodes, choices.views
     if wanted != "auto":
@@ -159,7 +158,6 @@ def _at_nodes(draft, choices):
     found = check_curvature(draft, NODES if wanted == "auto" else (wanted,))
     report, errors = {}, found
     if views:
-        check_view_nodes(wanted)
         in_views = worst_node_errors(draft, views, None if wanted == "auto" else wanted)
         errors = {nodes: max(found[nodes], error) for nodes, (error, _) in in_views.items()
                   if nodes in found}
