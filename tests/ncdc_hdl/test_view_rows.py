@@ -142,7 +142,7 @@ def test_sixty_tables_and_nonsense(seed):
         assert_equal(frame, expected(d, 0, 1, view))
 
 
-@pytest.mark.longer
+@pytest.mark.regress
 def test_abort_at_any_moment():
     """An aborted frame is its beginning and a blank end; the next one, of another table, is whole.
     """

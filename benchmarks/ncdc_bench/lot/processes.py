@@ -87,6 +87,8 @@ class Station:
     """
 
     def __init__(self, folder, lot, *more):
+        # What a shell starts in the background ignores Ctrl-C, and so would the station.
+        signal.signal(signal.SIGINT, signal.default_int_handler)
         self.process = subprocess.Popen(
             [sys.executable, "-m", "ncdc", "lot", "watch", str(folder), "-o", str(lot), "--target",
              "dots", "--bayer", "MONO", "--workers", "1", "--port", "0", *map(str, more)],
