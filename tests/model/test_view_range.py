@@ -112,9 +112,9 @@ def test_only_pixels_that_the_integers_show_count():
 
 
 def test_pixels_without_a_source_have_no_error():
-    beside = View.of([[1, 0, 500], [0, 1, 0], [0, 0, 1]], (96, 64))
+    far_right = View.of([[1, 0, 500], [0, 1, 0], [0, 0, 1]], (96, 64))
     behind = View.of([[1, 0, 0], [0, 1, 0], [0, 0, -1]], (96, 64))
-    for view in (beside, behind):
+    for view in (far_right, behind):
         assert node_errors(seen_lens(), view, (8, 16)) == {8: 0, 16: 0}
 
 

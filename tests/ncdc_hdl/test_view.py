@@ -11,6 +11,7 @@ from cameras import barrel_descriptor
 from front_end import (
     FrontEnd,
     aborted_frame,
+    assert_equal,
     expected,
     extreme,
     frames,
@@ -126,13 +127,6 @@ def test_nodes_equal_the_golden_model(interval, strip, multiplier_bits):
         fitting += fits.sum()
     assert fitting > 100
     assert not any(result[:, 2].any() for _, result in results[-3:-1])
-
-
-def assert_equal(frame, golden):
-    """A frame equals the golden one; coordinates of blank pixels do not count."""
-    np.testing.assert_array_equal(frame[:, 2:], golden[:, 2:])
-    used = golden[:, 2] == 0
-    np.testing.assert_array_equal(frame[used], golden[used])
 
 
 @pytest.mark.longer

@@ -10,6 +10,7 @@ from cameras import barrel_descriptor
 from front_end import (
     FrontEnd,
     aborted_frame,
+    assert_equal,
     expected,
     extreme,
     frames,
@@ -45,13 +46,6 @@ def views(d, rng, sizes):
             view = replace(nonsense_view(rng, size), rows=nonsense_table(rng, MATRICES))
         cases.append(replace(view, rows=None) if k % 4 == 3 else view)
     return cases
-
-
-def assert_equal(frame, golden):
-    """A frame equals the golden one; coordinates of blank pixels do not count."""
-    np.testing.assert_array_equal(frame[:, 2:], golden[:, 2:])
-    used = golden[:, 2] == 0
-    np.testing.assert_array_equal(frame[used], golden[used])
 
 
 @pytest.mark.parametrize("nodes,multiplier_bits", [(8, 27), (16, 18)])
