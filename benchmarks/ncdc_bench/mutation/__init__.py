@@ -1,0 +1,1 @@
+"""Mutation score: which small changes no test notices."""
