@@ -25,6 +25,9 @@ from ncdc_spec.tansig import design_for, tansig
 
 FORMATS = Formats()
 SKIPS = {"coarser": Q(12, 9), "as fine": Q(12, 10), "finer": Q(12, 12)}    # than 21 + 12 bits
+# Sums whose shifts are longer than what they shift to.
+SHORT = Formats(input=Q(1, 12), hidden_weight=Q(4, 14), hidden_bias=Q(5, 9), net=Q(5, 19),
+                output_bias=Q(14, 10), coordinate=Q(14, 6), skip_weight=Q(12, 3))
 
 
 def value(raw, q):

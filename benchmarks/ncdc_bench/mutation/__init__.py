@@ -1,1 +1,1 @@
-"""Mutation score: which small changes no test notices."""
+"""Mutation score of the gateware: which planted faults its tests find."""
