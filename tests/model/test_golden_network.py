@@ -78,39 +78,41 @@ def exact_network(d, x, y, formats):
     return outputs
 
 
-def test_the_scan_is_rounded_once():
-    geometry = Geometry(24, 9, 24, 9)
+@pytest.mark.parametrize("formats", [FORMATS, SHORT])
+def test_the_scan_is_rounded_once(formats):
+    geometry, q = Geometry(24, 9, 24, 9), formats.input
     u, v = np.arange(-30, 60), np.arange(60, -30, -1)
-    got = normalised_scan(u, v, geometry, FORMATS)
+    got = normalised_scan(u, v, geometry, formats)
     origin_x, step_x, origin_y, step_y = geometry.scan()
     for values, pixels, origin, step in zip(got, (u, v), (origin_x, origin_y), (step_x, step_y)):
-        assert values.tolist() == [rounded(Fraction(origin + int(pixel) * step, 1 << 31), Q(1, 23))
+        assert values.tolist() == [rounded(Fraction(origin + int(pixel) * step, 1 << 31), q)
                                    for pixel in pixels]
-        assert {Q(1, 23).lo, Q(1, 23).hi} < set(values.tolist())
-    assert normalised_scan(3, 4, geometry, FORMATS)[0] == got[0][33]
+        assert {q.lo, q.hi} < set(values.tolist())
+    assert normalised_scan(3, 4, geometry, formats)[0] == got[0][33]
 
 
-def test_a_hidden_neuron_is_exact_and_rounded_once():
+@pytest.mark.parametrize("formats", [FORMATS, SHORT])
+def test_a_hidden_neuron_is_exact_and_rounded_once(formats):
     rng = np.random.default_rng(5)
-    x, y = random_raw(rng, FORMATS.input, (2, 80))
+    x, y = random_raw(rng, formats.input, (2, 80))
     seen = set()
-    for weights, bias in zip(random_raw(rng, FORMATS.hidden_weight, (6, 2)),
-                             ends_and_more(rng, FORMATS.hidden_bias, 6)):
-        got = hidden_neuron(x, y, weights, bias, FORMATS)
+    for weights, bias in zip(random_raw(rng, formats.hidden_weight, (6, 2)),
+                             ends_and_more(rng, formats.hidden_bias, 6)):
+        got = hidden_neuron(x, y, weights, bias, formats)
         assert got.tolist() == [
-            rounded(value(a, FORMATS.input) * value(weights[0], FORMATS.hidden_weight)
-                    + value(b, FORMATS.input) * value(weights[1], FORMATS.hidden_weight)
-                    + value(bias, FORMATS.hidden_bias), FORMATS.net) for a, b in zip(x, y)]
+            rounded(value(a, formats.input) * value(weights[0], formats.hidden_weight)
+                    + value(b, formats.input) * value(weights[1], formats.hidden_weight)
+                    + value(bias, formats.hidden_bias), formats.net) for a, b in zip(x, y)]
         seen |= set(got.tolist())
-    assert {FORMATS.net.lo, FORMATS.net.hi} < seen
-    assert hidden_neuron(x.tolist(), y.tolist(), weights, bias, FORMATS).tolist() == got.tolist()
+    assert {formats.net.lo, formats.net.hi} < seen
+    assert hidden_neuron(x.tolist(), y.tolist(), weights, bias, formats).tolist() == got.tolist()
 
 
 @pytest.mark.parametrize("skip", [None, *SKIPS])
-@pytest.mark.parametrize("input", [Q(1, 23), Q(1, 21)])
-def test_an_output_neuron_is_exact_and_rounded_once(skip, input):
-    rng = np.random.default_rng(6)
-    formats = replace(FORMATS, input=input, skip_weight=SKIPS.get(skip))
+@pytest.mark.parametrize("formats", [FORMATS, replace(FORMATS, input=Q(1, 21)), SHORT])
+def test_an_output_neuron_is_exact_and_rounded_once(skip, formats):
+    rng, input = np.random.default_rng(6), formats.input
+    formats = formats if formats == SHORT else replace(formats, skip_weight=SKIPS.get(skip))
     activations = list(random_raw(rng, formats.tansig, (3, 40)))
     inputs = tuple(random_raw(rng, input, (2, 40)))
     seen = set()
