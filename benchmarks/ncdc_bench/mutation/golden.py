@@ -1,7 +1,7 @@
 """Mutation score of the golden model's arithmetic: which small changes of it no test notices.
 
-Cosmic Ray makes the mutants: it changes one operator, number, condition, loop or decorator each. The
-tests of a module then run on each of its mutants, in a process of its own (:mod:`golden_worker`).
+Cosmic Ray makes the mutants, each with another operator, number, condition, loop or decorator. The
+tests of a module run on each of its mutants, in a process of its own (:mod:`golden_worker`).
 Mutants that are equivalent to the module are listed with a reason in ``golden_equivalent.toml``.
 """
 
@@ -65,9 +65,9 @@ MODULES = {
     "nodes": _golden("nodes", "model/test_golden_nodes.py"),
     "valid": _golden("valid", "model/test_golden_valid.py"),
     "tansig.design": _tansig("design", "model/test_golden_tansig.py"),
-    "tansig.lvc": _tansig("lvc", "model/test_golden_tansig.py"),
-    "tansig.mmhbc": _tansig("mmhbc", "model/test_golden_tansig.py"),
-    "tansig.table": _tansig("table", "model/test_golden_tansig.py"),
+    "tansig.lvc": _tansig("lvc", "model/test_golden_lvc.py"),
+    "tansig.mmhbc": _tansig("mmhbc", "model/test_golden_mmhbc.py"),
+    "tansig.table": _tansig("table", "model/test_golden_table.py"),
 }
 """Modules by the names of their rows."""
 

@@ -19,8 +19,9 @@ import sys
 __all__ = ["outcome", "serve"]
 
 _MEMORY = 6 << 30       # bytes of address space: shifts by a mutated count may ask for any
-_PYTEST = ["-x", "-q", "-p", "no:cacheprovider", "-p", "no:pastebin",
-           "-p", "no:junitxml", "-p", "no:doctest", "-p", "no:unraisableexception", "-p", "no:threadexception", "--assert=plain", "--tb=no", "-m", "not regress"]
+_PYTEST = ["-x", "-q", "--assert=plain", "--tb=no", "-m", "not regress",
+           *(f"-pno:{plugin}" for plugin in ("cacheprovider", "doctest", "junitxml", "pastebin",
+                                             "threadexception", "unraisableexception"))]
 
 
 class _Mutant(importlib.machinery.SourceFileLoader):
