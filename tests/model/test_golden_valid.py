@@ -117,7 +117,8 @@ def slope(values, axis):
 def waves(u, v):
     """A map that folds in places, and has no source in others."""
     x = 20 + u / 3 + 9 * np.sin(u / 9) * np.cos(v / 13)
-    return np.where((u > 60) & (u < 63) & (v > 20), np.nan, x), 9 + v / 4 + 7 * np.cos(u / 8 - v / 9)
+    x[(u > 60) & (u < 63) & (v > 20)] = np.nan
+    return x, 9 + v / 4 + 7 * np.cos(u / 8 - v / 9)
 
 
 @pytest.mark.parametrize("size", [(256, 130), (300, 219), (96, 64)])

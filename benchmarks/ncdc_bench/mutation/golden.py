@@ -184,9 +184,9 @@ def golden_rows(progress=lambda fraction, note="": None, names=tuple(MODULES), n
     Returns
     -------
     list of dict
-        For each module ``module``, ``source``, ``mutants``, ``killed``, ``equivalent``,
-        ``survived``, ``seconds`` of a processor, and ``survivors``, a list of dicts with ``file``,
-        ``line`` and ``change``.
+        For each module ``module``, ``source``, ``tests``, ``mutants``, ``killed``,
+        ``equivalent``, ``survived``, ``seconds`` of a processor, and ``survivors``, a list of
+        dicts with ``file``, ``line`` and ``change``.
 
     Raises
     ------
@@ -232,7 +232,8 @@ def _row(name, progress, number, seed):
                 survivors.append({"file": module.source, "line": mutant.line,
                                   "change": " -> ".join(mutant.change)})
     progress(1)
-    return {"module": name, "source": module.source, "mutants": len(mutants),
+    return {"module": name, "source": module.source,
+            "tests": [f"tests/{file}" for file in module.tests], "mutants": len(mutants),
             **{kind: counts[kind] for kind in ("killed", "equivalent", "survived")},
             "seconds": round(total, 1), "survivors": survivors}
 
