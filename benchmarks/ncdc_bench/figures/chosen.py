@@ -9,6 +9,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from ncdc_bench.figures import chosen_maps
+from ncdc_bench.mutation.golden import score
 
 __all__ = ["GROUPS", "Group", "groups_of"]
 
@@ -205,6 +206,16 @@ def _model(report):
     return {"rows": rows, "device": report["device"]}
 
 
+def _mutation_model(report):
+    """A row for each module of the golden model, scores in per cent; the score of all."""
+    rows = {_slug(row["module"]): {**row, "score": 100 * score([row])} for row in report["rows"]}
+    return {"rows": {name: {key: row[key] for key in (
+        "module", "possible", "mutants", "killed", "equivalent", "survived", "score")}
+        for name, row in rows.items()},
+        "mutants": sum(row["mutants"] for row in report["rows"]),
+        "score": 100 * score(report["rows"])}
+
+
 @dataclass(frozen=True)
 class Group:
     """The figures that pages may quote of one command.
@@ -300,6 +311,7 @@ GROUPS = {
                    ("lines_missed", "straightness_rms_px"), chosen_maps.lines),
     "nodes": Group("ncdc bench nodes", ("curvature_px", "added_max_px"), chosen_maps.nodes),
     "view": Group("ncdc bench view", ("steadiness",), _view),
+    "mutation_model": Group("ncdc bench mutation --model", ("killed", "tests"), _mutation_model),
 }
 
 

@@ -16,10 +16,14 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
+from ncdc.cli.common import write_report
+from ncdc.terminal import Progress
+from ncdc.text_table import text_table
 from ncdc_spec.errors import InputError
 from ncdc_spec.needs import pip_line
 
-__all__ = ["MODULES", "Module", "Mutant", "golden_rows", "mutants_of", "score"]
+__all__ = ["MODULES", "Module", "Mutant", "golden_rows", "mutants_of", "run_golden", "score",
+           "table"]
 
 _ROOT = Path(__file__).parents[3]
 _LIST = Path(__file__).with_name("golden_equivalent.toml")
@@ -119,7 +123,8 @@ def _sites(text):
 def mutants_of(text, number=None, seed=1):
     """Mutants of a module's ``text``, in the order of its lines: a list of :class:`Mutant`.
 
-    ``number``: how many, chosen at random by the ``seed``; None for all, or if there are fewer.
+    ``number``: how many, chosen at random by the ``seed``; all if it is None, or if there are
+    fewer.
 
     Raises
     ------
@@ -185,8 +190,8 @@ def golden_rows(progress=lambda fraction, note="": None, names=tuple(MODULES), n
     -------
     list of dict
         For each module ``module``, ``source``, ``tests``, ``mutants``, ``killed``,
-        ``equivalent``, ``survived``, ``seconds`` of a processor, and ``survivors``, a list of
-        dicts with ``file``, ``line`` and ``change``.
+        ``equivalent``, ``survived``, ``seconds`` of a processor, ``possible``, the number of all
+        mutants, and ``survivors``, a list of dicts with ``file``, ``line`` and ``change``.
 
     Raises
     ------
@@ -233,12 +238,36 @@ def _row(name, progress, number, seed):
                                   "change": " -> ".join(mutant.change)})
     progress(1)
     return {"module": name, "source": module.source,
-            "tests": [f"tests/{file}" for file in module.tests], "mutants": len(mutants),
+            "tests": [f"tests/{file}" for file in module.tests], "possible": len(_sites(text)),
+            "mutants": len(mutants),
             **{kind: counts[kind] for kind in ("killed", "equivalent", "survived")},
             "seconds": round(total, 1), "survivors": survivors}
 
 
 def score(rows):
-    """Killed mutants of ``rows`` by those that are not equivalent, 0 to 1."""
+    """Killed mutants of ``rows`` by those that are not equivalent, 0 to 1; 1 if there is none."""
     killed, survived = (sum(row[kind] for row in rows) for kind in ("killed", "survived"))
-    return killed / (killed + survived)
+    return killed / (killed + survived) if killed + survived else 1.0
+
+
+def table(rows):
+    """Rows of :func:`golden_rows` as text, then the survivors."""
+    columns = [(key, lambda row, key=key: row[key])
+               for key in ("module", "possible", "mutants", "killed", "equivalent", "survived")]
+    columns += [("score, %", lambda row: f"{100 * score([row]):.1f}"),
+                ("seconds", lambda row: row["seconds"])]
+    lines = [f"{each['file']}:{each['line']}: {each['change']}"
+             for row in rows for each in row["survivors"]]
+    return "\n".join([text_table(columns, rows, left=1), f"score {100 * score(rows):.1f} %",
+                      *lines])
+
+
+def run_golden(number=None, seed=1, target=None):
+    """Test all modules, with progress on stderr; print the table, and write JSON to ``target``.
+
+    ``number``, ``seed``: as of :func:`mutants_of`. ``target``: a file, "-" for stdout instead of
+    the table, None for neither.
+    """
+    rows = golden_rows(Progress("mutants of the model"), number=number, seed=seed)
+    if not write_report({"rows": rows}, target):
+        print(table(rows))
