@@ -20,7 +20,7 @@ from ncdc_hdl.camera.layouts import RUN
 from ncdc_hdl.frontend.backmap import BackMap
 from ncdc_hdl.frontend.layouts import SIZE, coordinate_layout
 from ncdc_hdl.frontend.node_backmap import NodeBackMap
-from ncdc_hdl.frontend.valid import ValidTable
+from ncdc_hdl.frontend.valid import FixedValidTable, ValidTable
 from ncdc_hdl.frontend.view_table import ViewTable
 from ncdc_hdl.lib.credits import CreditQueue
 from ncdc_hdl.lib.groups import lanes_of
@@ -39,6 +39,7 @@ from ncdc_spec.registers.register_map import (
     ADDRESS_WORDS_BITS,
     COUNTERS,
     RAW_GAINS,
+    absent,
     capabilities,
     network_registers,
     registers,
@@ -117,7 +118,8 @@ class Corrector(wiring.Component):
             self.backmap = NodeBackMap(descriptor.hidden_neurons, formats, descriptor.nodes,
                                        variant=descriptor.variant, hardware=self.hardware)
         table = descriptor.valid, *descriptor.geometry.corrected
-        self.table = ViewTable(*table, lanes) if hardware.view else ValidTable(*table)
+        self.table = (ViewTable(*table, lanes) if hardware.view
+                      else (FixedValidTable if hardware.fixed_lens else ValidTable)(*table))
         needs = descriptor.geometry.interpolation
         f_bits = formats.coordinate.f_bits
         # Without relays the gate's comparison would stall the windows' stages, and these the
@@ -125,7 +127,7 @@ class Corrector(wiring.Component):
         self.to_window = Relay(coordinate_layout(formats, lanes))
         self.window = WindowAddress(formats, lanes, needs)
         self.to_gate = Relay(request_layout(f_bits, lanes, needs))
-        self.row_gate = RowGate(f_bits, lanes, needs)
+        self.row_gate = RowGate(f_bits, lanes, needs) if hardware.follow else None
         self.fetch = (Cache(f_bits, data_width, self.hardware.cache, lanes, hardware.raw_balance)
                       if hardware.cached else Multiport(f_bits, data_width))
         self.interpolator = Interpolator(f_bits, lanes, needs, hardware.colour,
@@ -138,7 +140,8 @@ class Corrector(wiring.Component):
         self.registers = Registers(
             rows, host_values(descriptor, self.hardware), constants,
             in_memory=in_memory(rows, self.hardware),
-            neurons=self.hardware.served(descriptor.hidden_neurons))
+            neurons=self.hardware.served(descriptor.hidden_neurons),
+            constant=absent(rows, self.hardware))
         self.checks = Checks(self.hardware, *self.table.largest,
                              self.registers.active.shape())
         ports = flat("csr", Agent(ADDRESS_WORDS_BITS), In)
@@ -164,7 +167,12 @@ class Corrector(wiring.Component):
         """Clocks from a frame's start to its first window request at the fetcher: front end, window
         address, row gate, a relay before either."""
         return (self.backmap.start_latency + self.to_window.latency + self.window.latency
-                + self.to_gate.latency + self.row_gate.latency)
+                + self.to_gate.latency + self._gate_latency)
+
+    @property
+    def _gate_latency(self):
+        """Clocks of the row gate, if there is one."""
+        return self.row_gate.latency if self.row_gate else 0
 
     @property
     def end_latency(self):
@@ -189,8 +197,7 @@ class Corrector(wiring.Component):
             retire_to_replace=fetch.tags.retire_to_replace,
             push_to_claim=fetch.tags.push_to_claim,
             pixel_to_bus=Packer.latency + BurstWriter.latency,
-            row_to_lookup=(self.row_gate.rows_latency + self.row_gate.latency
-                           + fetch.start_latency),
+            row_to_lookup=(RowGate.rows_latency + self._gate_latency + fetch.start_latency),
             end_to_interrupt=self.registers.interrupt_latency,
             write_burst=_WRITE_BURST, queued_words=BurstWriter.queued(_WRITE_BURST),
             queued_pixels=self.interpolator.queued * self.hardware.lanes,
@@ -201,7 +208,8 @@ class Corrector(wiring.Component):
         m = Module()
         for name in ("backmap", "table", "to_window", "window", "to_gate", "row_gate", "fetch",
                      "interpolator", "registers", "checks"):
-            m.submodules[name] = getattr(self, name)
+            if (part := getattr(self, name)) is not None:
+                m.submodules[name] = part
         registers, active = self.registers, self._active(m)
         begun = Signal()
         m.d.sync += begun.eq(registers.begin)
@@ -210,24 +218,24 @@ class Corrector(wiring.Component):
         for r in range(self.fetch.ports):
             join(m, self, f"read{r}", getattr(self.fetch, f"bus{r}"))
         m.d.comb += [self.irq.eq(registers.irq), self.front_end_idle.eq(self.backmap.idle)]
-        m.d.comb += self.table.bank.eq(active.VALID_BANK)
         if self.hardware.view:
             for lane, table in zip(self.backmap.table, self.table.scan):
                 wiring.connect(m, scan=lane, table=table)
         else:
             wiring.connect(m, scan=self.backmap.table, table=self.table.scan)
-        wiring.connect(m, host=registers.valid_table, table=self.table.host)
+        if not self.hardware.fixed_lens:
+            m.d.comb += self.table.bank.eq(active.VALID_BANK)
+            wiring.connect(m, host=registers.valid_table, table=self.table.host)
         self._parameters(m, active)
         reject = self._reject(m, begun, active)
         m.d.comb += [self.backmap.start.eq(begun), self.backmap.abort.eq(registers.abort | reject),
                      registers.cut.eq(self.backmap.cut)]
-        way = (self.backmap, self.to_window, self.window, self.to_gate, self.row_gate, self.fetch)
+        gate = [self.row_gate] if self.row_gate else []
+        way = (self.backmap, self.to_window, self.window, self.to_gate, *gate, self.fetch)
         for source, sink in pairwise(way):
             wiring.connect(m, source.o, sink.i)
-        # All views of a list are of one raw frame: its rows are counted from the first view on.
-        anew = begun & registers.first if self.hardware.views else begun
-        m.d.comb += [self.row_gate.start.eq(anew), self.row_gate.abort.eq(registers.abort),
-                     self.row_gate.camera_rows.eq(self.camera_rows)]
+        if self.row_gate:
+            self._follow(m, active, begun)
         wiring.connect(m, self.fetch.o, self.interpolator.i)
         m.d.comb += self.fetch.memory_rst.eq(self.memory_rst)
         pixels = self.interpolator.o
@@ -244,6 +252,15 @@ class Corrector(wiring.Component):
         if self.hardware.colour:
             self._colour(m, active, begun)
         return m
+
+    def _follow(self, m, active, begun):
+        """Windows wait for their rows, if the set says so."""
+        gate, registers = self.row_gate, self.registers
+        # All views of a list are of one raw frame: its rows are counted from the first view on.
+        anew = begun & registers.first if self.hardware.views else begun
+        m.d.comb += [gate.start.eq(anew), gate.abort.eq(registers.abort),
+                     gate.camera_rows.eq(self.camera_rows), gate.follow.eq(active.FOLLOW),
+                     gate.height.eq(active.DISTORTED_HEIGHT)]
 
     def _store(self, m, active, begun, reject):
         """Pixels to memory; those of a list of views each in its part of the target."""
@@ -356,8 +373,6 @@ class Corrector(wiring.Component):
             scan.origin_y.eq(active.SCAN_ORIGIN_Y), scan.step_y.eq(active.SCAN_STEP_Y),
             self.window.width.eq(active.DISTORTED_WIDTH),
             self.window.height.eq(active.DISTORTED_HEIGHT),
-            self.row_gate.height.eq(active.DISTORTED_HEIGHT),
-            self.row_gate.follow.eq(active.FOLLOW),
             self.fetch.base.eq(active.SOURCE_BASE), self.fetch.limit.eq(active.SOURCE_LIMIT),
             self.fetch.pitch.eq(active.SOURCE_PITCH),
             self.fetch.height.eq(active.DISTORTED_HEIGHT),
@@ -411,7 +426,8 @@ class Corrector(wiring.Component):
         """Events that are counted in a frame; returns whether one runs."""
         counters = self.registers.counters
         running = Signal()
-        values = {name: Signal(32, name=name.lower()) for name in COUNTERS}
+        values = {name: Signal(32, name=name.lower())
+                  for name in (COUNTERS if self.hardware.counters else ())}
         events = {
             "CLOCKS": running, "PIXELS": Mux(pixels.valid & pixels.ready, self.hardware.lanes, 0),
             "FETCHES": self.fetch.fetched, "FRONT_END_STALLS": self.backmap.stalled,

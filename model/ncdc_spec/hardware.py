@@ -84,6 +84,13 @@ class Hardware:
     video : str
         Packets of a stream: "plain", one packet of pixels per frame, or "vip", those of Intel's
         Video and Image Processing Suite.
+    fixed_lens : bool
+        Whether lens, sizes, format and order of pixels are constants: of the set, only addresses
+        and colour have registers.
+    follow : bool
+        Whether a frame may begin before its raw frame is complete.
+    counters : bool
+        Whether events of a frame are counted; frames are in any case.
 
     Raises
     ------
@@ -92,7 +99,7 @@ class Hardware:
         fetcher is to give more than one pixel per clock or gains of raw samples, packets of
         Intel's suite are asked of anything but a stream of Avalon's with one pixel per clock, or
         several views of hardware without a view, or of a stream, or a table of matrices without
-        a view, with a list of views, or of other than 2 to 64.
+        a view, with a list of views, or of other than 2 to 64, or a view of a fixed lens.
     """
     data_width: int = 32
     output: str = "memory"
@@ -112,6 +119,9 @@ class Hardware:
     format: str = BGRX8.name
     bus: str = BUSES[0]
     video: str = VIDEOS[0]
+    fixed_lens: bool = False
+    follow: bool = True
+    counters: bool = True
 
     def __post_init__(self):
         for name, value, choices in (
@@ -137,6 +147,8 @@ class Hardware:
                              f"only")
         if self.raw_balance and not self.cached:
             raise InputError("fetch is multiport, gains of raw samples need cache")
+        if self.fixed_lens and self.view:
+            raise InputError("the hardware has a fixed lens, a view needs registers of the lens")
         if self.views:
             self._check_views()
         if self.video != VIDEOS[0]:
@@ -235,7 +247,8 @@ class Hardware:
     def in_memory(self, layer):
         """Whether what the neurons of ``layer``, "hidden" or "output", have for each hidden neuron
         lies in memories, where a unit reads it in turn, and not in registers."""
-        return (self.share or 1) > 1 and (layer == "output" or self.hidden == "multiply")
+        return (not self.fixed_lens and (self.share or 1) > 1
+                and (layer == "output" or self.hidden == "multiply"))
 
     def node_clocks(self, descriptor):
         """Clocks that a node may take, if a row's nodes are to come in the clocks of its groups.
@@ -325,7 +338,8 @@ class Hardware:
                 "share": self.share, "multiplier_bits": self.multiplier_bits,
                 "pixels_per_clock": self.lanes, "format": None if self.stream else self.format,
                 "colour": self.colour, "raw_balance": self.raw_balance, "view": self.view,
-                "views": self.views, "view_rows": self.view_rows, "bus": self.bus,
+                "views": self.views, "view_rows": self.view_rows, "fixed_lens": self.fixed_lens,
+                "follow": self.follow, "counters": self.counters, "bus": self.bus,
                 "video": self.video if self.stream else None}
 
     def options(self, geometry):
@@ -342,6 +356,9 @@ class Hardware:
                 *(["--view"] if self.view else []),
                 *([f"--views {self.views}"] if self.views else []),
                 *([f"--view-rows {self.view_rows}"] if self.view_rows else []),
+                *(["--fixed-lens"] if self.fixed_lens else []),
+                *([] if self.follow else ["--no-follow"]),
+                *([] if self.counters else ["--no-counters"]),
                 *([f"--bus {self.bus}"] if self.axi else []),
                 *([f"--video {self.video}"] if self.video != VIDEOS[0] else [])]
 

@@ -84,12 +84,12 @@ class BackMap(wiring.Component):
         self.hidden = [RasterLayer(hidden_neurons, formats, self.share, lanes)
                        if hardware.hidden == "raster" else
                        MultiplyLayer(hidden_neurons, formats, self.share,
-                                    hardware.multiplier_bits, lanes)
+                                    hardware.multiplier_bits, lanes, hardware.fixed_lens)
                        for _ in range(lanes)]
         self.tansig = [[Tansig(formats.tansig_design(variant)) for _ in range(units)]
                        for _ in range(lanes)]
         self.output = [OutputLayer(hidden_neurons, formats, self.share,
-                                   hardware.multiplier_bits)
+                                   hardware.multiplier_bits, hardware.fixed_lens)
                        for _ in range(lanes)]
         # Groups that can be issued between the clock in which the queue outputs one and
         # the arrival of the first one in its slot.

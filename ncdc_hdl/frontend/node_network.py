@@ -87,10 +87,12 @@ class NodeNetwork(wiring.Component):
                                         hardware.multiplier_bits, hardware.view_rows)
                           if hardware.view else None)
         self.axes = node_axes(formats, hardware.view)
-        self.hidden = MultiplyLayer(hidden_neurons, formats, self.share, hardware.multiplier_bits)
+        self.hidden = MultiplyLayer(hidden_neurons, formats, self.share, hardware.multiplier_bits,
+                                    fixed=hardware.fixed_lens)
         self.tansig = [Tansig(formats.tansig_design(variant))
                        for _ in range(hardware.units(hidden_neurons))]
-        self.output = OutputLayer(hidden_neurons, formats, self.share, hardware.multiplier_bits)
+        self.output = OutputLayer(hidden_neurons, formats, self.share, hardware.multiplier_bits,
+                                  hardware.fixed_lens)
         self.raw_rows = (RawRows(formats.coordinate, nodes, self.latency)
                          if hardware.view_rows else None)
         self.under_way = -(-(self.latency + CreditQueue.loop) // self.interval)

@@ -11,10 +11,38 @@ from ncdc_hdl.lib.pipeline import delay, register
 from ncdc_spec.geometry import MAX_SIZE
 from ncdc_spec.geometry import SPANS as SPANS_PER_ROW
 
-__all__ = ["ValidTable"]
+__all__ = ["FixedValidTable", "ValidTable"]
 
 
-class ValidTable(wiring.Component):
+class _Rows:
+    """What both kinds of table have: how many rows and columns, and their contents."""
+
+    latency = 2
+    """Clocks from a request of either side to its answer: the memory, its output register."""
+
+    def __init__(self, valid, columns, rows, members):
+        self.valid, self.row_bits = valid, ceil_log2(rows)
+        self.column_bits = columns.bit_length()
+        super().__init__({"scan": In(SpansRequest())} | members)
+
+    @property
+    def max_column(self):
+        """The largest start or stop that a span can have."""
+        return (1 << self.column_bits) - 1
+
+    @property
+    def largest(self):
+        """Width and height of the largest picture whose spans the table holds."""
+        return min(self.max_column, MAX_SIZE), min(1 << self.row_bits, MAX_SIZE)
+
+    def _entries(self, k):
+        """Words of span k of each row: start, and stop above it."""
+        entries = [start | stop << self.column_bits
+                   for start, stop in self.valid.spans[:, 2 * k:2 * k + 2].tolist()]
+        return entries + [0] * ((1 << self.row_bits) - len(entries))
+
+
+class ValidTable(_Rows, wiring.Component):
     """Two banks of valid spans, one entry per corrected row, for the scan and for the host.
 
     Memory layout: entry ``bank * rows + row`` of memory k holds start and stop of span k, with as
@@ -44,27 +72,8 @@ class ValidTable(wiring.Component):
     host : ``In(TableAccess())``
     """
 
-    latency = 2
-    """Clocks from a request of either side to its answer: the memory, its output register."""
-
     def __init__(self, valid, columns, rows):
-        self.valid, self.row_bits = valid, ceil_log2(rows)
-        self.column_bits = columns.bit_length()
-        super().__init__({
-            "bank": In(1),
-            "scan": In(SpansRequest()),
-            "host": In(TableAccess()),
-        })
-
-    @property
-    def max_column(self):
-        """The largest start or stop that a span can have."""
-        return (1 << self.column_bits) - 1
-
-    @property
-    def largest(self):
-        """Width and height of the largest picture whose spans the table holds."""
-        return min(self.max_column, MAX_SIZE), min(1 << self.row_bits, MAX_SIZE)
+        super().__init__(valid, columns, rows, {"bank": In(1), "host": In(TableAccess())})
 
     def elaborate(self, platform):
         m = Module()
@@ -76,12 +85,9 @@ class ValidTable(wiring.Component):
         # M: a memory for each span of a row; followed by its output register.
         starts, stops = [], []
         for k in range(SPANS_PER_ROW):
-            entries = [start | stop << bits
-                       for start, stop in self.valid.spans[:, 2 * k:2 * k + 2].tolist()]
-            entries += [0] * (rows - len(entries))
             # A frame's bank is not written, and the host does one access at a time. No word is used
             # that was read in the clock of its write.
-            m.submodules[f"memory{k}"] = memory = block_memory(2 * bits, 2 * rows, entries * 2)
+            m.submodules[f"memory{k}"] = memory = block_memory(2 * bits, 2 * rows, self._entries(k) * 2)
             write, read = memory.write_port(), memory.read_port()
             m.d.comb += [
                 read.addr.eq(Mux(host.read, host_address, wanted)),
@@ -103,4 +109,37 @@ class ValidTable(wiring.Component):
             host.read_start.eq(Mux(host_span, *starts[::-1])),
             host.read_stop.eq(Mux(host_span, *stops[::-1])),
         ]
+        return m
+
+
+class FixedValidTable(_Rows, wiring.Component):
+    """One bank of valid spans that is never written, for the scan alone.
+
+    Timing: ``scan.spans`` follow ``scan.row`` after ``latency`` clocks.
+
+    Parameters
+    ----------
+    valid, columns, rows : as for :class:`ValidTable`
+
+    Members
+    -------
+    scan : ``In(SpansRequest())``
+    """
+
+    def __init__(self, valid, columns, rows):
+        super().__init__(valid, columns, rows, {})
+
+    def elaborate(self, platform):
+        m = Module()
+        row, spans = self.scan.row[:self.row_bits], self.scan.spans
+        asked = delay(m, row, self.latency, "asked")
+        m.d.comb += self.scan.fresh.eq(asked == row)
+        for k in range(SPANS_PER_ROW):
+            m.submodules[f"memory{k}"] = memory = block_memory(
+                2 * self.column_bits, 1 << self.row_bits, self._entries(k))
+            read = memory.read_port()
+            m.d.comb += read.addr.eq(row)
+            entry = register(m, f"entry{k}", read.data)
+            m.d.comb += [spans[f"start{k}"].eq(entry[:self.column_bits]),
+                         spans[f"stop{k}"].eq(entry[self.column_bits:])]
         return m

@@ -18,6 +18,17 @@ def served(unit, hidden_neurons, share):
     return range(unit * share, min((unit + 1) * share, hidden_neurons))
 
 
+def _of_turn(m, turn, words, name):
+    """The one of ``words`` for a ``turn``, ``WeightBanks.latency`` later; zero for turns without
+    a neuron."""
+    word = Signal.like(words[0], name=name)
+    with m.Switch(turn):
+        for k, value in enumerate(words):
+            with m.Case(k):
+                m.d.comb += word.eq(value)
+    return delay(m, word, WeightBanks.latency, f"{name}_of_turn")
+
+
 def hidden_layer_ports(hidden_neurons, formats, share, lanes=1, in_memory=False):
     """Ports of every kind of hidden layer; with ``writes`` if its weights are ``in_memory``, else
     with ``neurons``.
@@ -63,15 +74,18 @@ class MultiplyLayer(wiring.Component):
         Width of the multiplier blocks, 27 or 18.
     lanes : int
         Pixels of the scan's groups, one of which the layer takes.
+    fixed : bool
+        Whether ``neurons`` are constants, also with several turns: there are no memories.
 
     Members: :func:`hidden_layer_ports`; always ready.
     """
 
-    def __init__(self, hidden_neurons, formats, share=1, multiplier_bits=27, lanes=1):
-        self.hidden_neurons, self.share = hidden_neurons, share
+    def __init__(self, hidden_neurons, formats, share=1, multiplier_bits=27, lanes=1, fixed=False):
+        self.hidden_neurons, self.share, self.fixed = hidden_neurons, share, fixed
         self.units = [HiddenNeuron(formats, multiplier_bits)
                       for _ in range(-(-hidden_neurons // share))]
-        super().__init__(hidden_layer_ports(hidden_neurons, formats, share, lanes, share > 1))
+        super().__init__(hidden_layer_ports(hidden_neurons, formats, share, lanes,
+                                            share > 1 and not fixed))
 
     start_latency = 0
     """Clocks that a frame's first pixel waits for the layer."""
@@ -104,6 +118,13 @@ class MultiplyLayer(wiring.Component):
         for k, unit in enumerate(self.units):
             words = [(unit.weights[0], of_weights), (unit.weights[1], of_weights),
                      (unit.bias, of_bias)]
+            if self.fixed:
+                own = [self.neurons[j] for j in served(k, self.hidden_neurons, self.share)]
+                constants = ([n.weights[0] for n in own], [n.weights[1] for n in own],
+                             [n.bias for n in own])
+                for role, (word, turn) in enumerate(words):
+                    m.d.comb += word.eq(_of_turn(m, turn, constants[role], f"word{k}_{role}"))
+                continue
             for role, (word, turn) in enumerate(words):
                 m.submodules[f"bank{k}_{role}"] = bank = WeightBanks(
                     word.shape(), unit=k, share=self.share, output=0, role=role)
@@ -123,6 +144,8 @@ class OutputLayer(wiring.Component):
         Turns; 2 ceil(HN / share) products. The weights are in memories if there are several.
     multiplier_bits : int
         Width of the multiplier blocks, 27 or 18.
+    fixed : bool
+        As of :class:`MultiplyLayer`.
 
     Members
     -------
@@ -140,17 +163,18 @@ class OutputLayer(wiring.Component):
         x', y'; ``latency`` clocks after ``first``.
     """
 
-    def __init__(self, hidden_neurons, formats, share=1, multiplier_bits=27):
-        self.hidden_neurons, self.share = hidden_neurons, share
+    def __init__(self, hidden_neurons, formats, share=1, multiplier_bits=27, fixed=False):
+        self.hidden_neurons, self.share, self.fixed = hidden_neurons, share, fixed
+        in_memory = share > 1 and not fixed
         self.units = -(-hidden_neurons // share)
         self.skip = formats.skip_weight is not None
         self.outputs = [OutputNeuron(self.units, formats, share, multiplier_bits) for _ in range(2)]
         super().__init__({
             "first": In(1),
             "i": In(data.ArrayLayout(signed(formats.tansig.width), self.units)),
-            "neurons": In(output_layout(hidden_neurons, formats, share > 1)),
+            "neurons": In(output_layout(hidden_neurons, formats, in_memory)),
             "o": Out(data.ArrayLayout(signed(formats.coordinate.width), 2)),
-        } | ({"writes": In(BANK_WRITES)} if share > 1 else {}) | (
+        } | ({"writes": In(BANK_WRITES)} if in_memory else {}) | (
             {"inputs": In(data.ArrayLayout(signed(formats.input.width), 2))} if self.skip else {}))
 
     @property
@@ -186,9 +210,14 @@ class OutputLayer(wiring.Component):
         for k, output in enumerate(self.outputs):
             m.d.comb += output.first.eq(self.first)
             for unit in range(self.units):
+                early = delay(m, turn, output.weights_clock - WeightBanks.latency,
+                              f"turn{k}_{unit}")
+                if self.fixed:
+                    own = served(unit, self.hidden_neurons, self.share)
+                    m.d.comb += output.weights[unit].eq(_of_turn(
+                        m, early, [self.neurons[k].weights[j] for j in own], f"word{k}_{unit}"))
+                    continue
                 m.submodules[f"bank{k}_{unit}"] = bank = WeightBanks(
                     output.weights[unit].shape(), unit=unit, share=self.share, output=1, role=k)
                 wiring.connect(m, wiring.flipped(self.writes), bank.writes)
-                m.d.comb += [bank.turn.eq(delay(
-                    m, turn, output.weights_clock - WeightBanks.latency, f"turn{k}_{unit}")),
-                    output.weights[unit].eq(bank.o)]
+                m.d.comb += [bank.turn.eq(early), output.weights[unit].eq(bank.o)]

@@ -67,6 +67,10 @@ class Registers(wiring.Component):
         Registers of ``table`` that are in memories, the same for each hidden neuron.
     neurons : int
         Neurons that the network's units could serve, if there are any ``in_memory``.
+    constant : container of str
+        Names of registers that do not exist. Those of the set are constants of ``active`` with
+        their ``values``. Writes to them are ignored, and they read 0. With VALID_BANK among them
+        the table of valid rows cannot be accessed, and the lens is always DIGEST's.
 
     Members
     -------
@@ -106,34 +110,36 @@ class Registers(wiring.Component):
     interrupt_latency = 1
     """Clocks from ``ended`` to ``irq``."""
 
-    def __init__(self, table, values, constants, *, in_memory=(), neurons=0):
-        self.table, self.values = table, values
+    def __init__(self, table, values, constants, *, in_memory=(), neurons=0, constant=()):
+        self.table, self.values, self.fixed = table, values, "VALID_BANK" in constant
         of_list = listed(table)
         # Rows with a register of their own.
-        self.rows = [r for r in table if r not in in_memory and r not in of_list]
+        self.rows = [r for r in table
+                     if r not in in_memory and r not in of_list and r.name not in constant]
         self.store = WeightStore(in_memory, values, neurons) if in_memory else None
         self.views = len(of_list) // len(ENTRY_WORDS)
         self.entries = ViewStore(of_list, values, self.views) if of_list else None
         self.passes = ViewPass(self.views) if of_list else None
         self.constants = {"ID": ID, **constants}
         self.view_rows = constants.get(ROWS_STATUS, 0)          # matrices of a view's table
-        self.counting = (*COUNTERS, *(r.name for r in table if r.name in COLOUR_COUNTERS))
+        present = [r.name for r in self.rows]
+        self.counting = tuple(name for name in COUNTERS + COLOUR_COUNTERS if name in present)
         [fault] = [r for r in table if r.name == "FAULT"]
         shadow = {r.name: Shape(r.shape.width, r.shape.signed)
-                  for r in self.rows if r.access == "shadow"}
+                  for r in table if r.access == "shadow" and (r in self.rows or r.name in constant)}
         shadow |= {name: Shape(r.shape.width, r.shape.signed)
                    for name, r in zip(ENTRY_WORDS.values(), of_list[-len(ENTRY_WORDS):])}
         initial = {name: values.get(name, 0) for name in shadow}
         super().__init__({
             "bus": In(Agent(ADDRESS_WORDS_BITS)),
             "active": Out(data.StructLayout(shadow), init=initial),
-            "valid_table": Out(TableAccess()),
             "begin": Out(1), "ended": In(1), "abort": Out(1), "cut": In(1),
             "counters": In(data.StructLayout({name: 32 for name in self.counting})),
             "faults": In(data.StructLayout({flag.name.lower(): 1 for flag in fault.flags})),
             "running": In(1), "start": In(1), "idle": Out(1),
             "irq": Out(1),
-        } | ({"writes": Out(BANK_WRITES)} if in_memory else {})
+        } | ({} if self.fixed else {"valid_table": Out(TableAccess())})
+          | ({"writes": Out(BANK_WRITES)} if in_memory else {})
           | ({"first": Out(1), "over": Out(1), "lacks": Out(1)} if of_list else {})
           | ({"row_writes": Out(ROW_WRITES)} if self.view_rows else {}))
 
@@ -163,7 +169,6 @@ class Registers(wiring.Component):
             "ALTERED": altered})
 
         written = {r.name: write[1] & meant[r.name] for r in self.rows if r.access != "ro"}
-        in_table = register(m, "table_written", write[0] & (address >= TABLE), reset_less=False)
         for name, signals in (("STATUS", status), ("FAULT", fault)):
             for flag in action[name].flags:
                 if flag.access == "w1c":
@@ -173,8 +178,8 @@ class Registers(wiring.Component):
             with m.If(self.faults[flag.name.lower()]):
                 m.d.sync += fault[flag.name].eq(1)
         self._keep(m, written, word, held, status["COMMITTED"])
-        self._table(m, address, read[2], in_table, word, held, status)
-        rejected = in_table & ~self.valid_table.write
+        rejected = Const(0) if self.fixed else self._table(
+            m, address, (write[0], read[2]), word, held, status)
         if self.entries:
             rejected |= list_rejected
         if self.view_rows:
@@ -190,7 +195,8 @@ class Registers(wiring.Component):
         flow = self._passes(m) if self.entries else (self.begin, self.ended, self.cut)
         self._frames(m, flow, take, copying, control, held, status)
         self._count(m, flow[1], counted)
-        self._altered(m, written, store_written, altered)
+        if not self.fixed:
+            self._altered(m, written, store_written, altered)
         m.d.comb += [self.irq.eq(status["DONE"] & held["IRQ_ENABLE"]),
                      status["BANK"].eq(self.active.VALID_BANK),
                      status["FAULT"].eq(Cat(fault.values()).any())]
@@ -285,6 +291,9 @@ class Registers(wiring.Component):
         fours = [register(m, f"word{k}", reduce(or_, words[k:k + 4]), signed(32))
                  for k in range(0, len(words), 4)]
         value = register(m, "value", reduce(or_, fours))
+        if self.fixed:
+            m.d.sync += self.bus.readdata.eq(value)
+            return
         table = self.valid_table
         span = Cat(table.read_start, Const(0, 3), table.read_stop, Const(0, 3))
         m.d.sync += self.bus.readdata.eq(Mux(address >= TABLE, span, value))
@@ -306,19 +315,26 @@ class Registers(wiring.Component):
                 with m.If(written[r.name] & ~(committed & (r.access == "shadow"))):
                     m.d.sync += held[r.name].eq(word)
 
-    def _table(self, m, address, read, written, word, held, status):
-        """The host's side of the table of valid rows, of which frames may use both banks."""
+    def _table(self, m, address, access, word, held, status):
+        """The host's side of the table of valid rows, of which frames may use both banks.
+
+        ``access``: the clocks of a write and of a read in which they reach it. Returns whether a
+        write is rejected.
+        """
+        write, read = access
+        written = register(m, "table_written", write & (address >= TABLE), reset_less=False)
         window = held["VALID_WINDOW"]
-        held = self._bank_held(window, "VALID_BANK", held, status)
+        in_use = self._bank_held(window, "VALID_BANK", held, status)
         table = self.valid_table
         m.d.comb += [
             table.bank.eq(window),
             Cat(table.span, table.row).eq(address),
-            table.write.eq(written & ~held),
+            table.write.eq(written & ~in_use),
             table.read.eq(read),
             table.start.eq(word[:16]),
             table.stop.eq(word[16:]),
         ]
+        return written & in_use
 
     def _rows(self, m, address, write, word, held, status):
         """Write to a view's table of matrices; returns whether a write is rejected."""

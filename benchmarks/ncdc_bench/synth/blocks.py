@@ -42,6 +42,7 @@ _CACHE = CacheOptions.of_bytes(32 << 10)
 _GRADIENT_CACHE = CacheOptions.of_bytes(32 << 10, GRADIENT)
 _DIRECTIONAL_CACHE = CacheOptions.of_bytes(32 << 10, DIRECTIONAL)
 _DATA_WIDTH = 32
+_BEND = 40              # columns without a source in the first and last row, at either side
 _NODES = 16             # pixels from node to node, as on most of the reference lenses
 
 
@@ -61,13 +62,17 @@ def traits(part):
 @cache
 def _descriptor(hidden_neurons, variant, nodes=1, interpolation=FAST, geometry=_GEOMETRY):
     """A descriptor of arbitrary weights: they are reset values of registers, the size is theirs
-    whatever they are. Every pixel has a source."""
+    whatever they are. All pixels have a source but those between bent edges left and right: a
+    table of rows that are all the same would be none in a core with a fixed lens."""
     rng = np.random.default_rng(hidden_neurons)
     network = FloatNetwork(rng.uniform(-2, 2, (hidden_neurons, 2)),
                            rng.uniform(-1, 1, hidden_neurons),
                            rng.uniform(-500, 500, (2, hidden_neurons)), np.array([640.0, 512.0]))
-    valid = ValidRows.of_mask(np.ones(geometry.corrected[::-1], bool))
     geometry = replace(geometry, interpolation=interpolation)
+    width, height = geometry.corrected
+    bend = (_BEND * np.linspace(-1, 1, height) ** 2).astype(int)[:, None]
+    column = np.arange(width)
+    valid = ValidRows.of_mask((column >= bend) & (column < width - bend))
     return Descriptor.quantise(network, geometry, valid, variant=variant, nodes=nodes)
 
 
@@ -98,6 +103,11 @@ def _core(hidden_neurons, variant="mmhbc", nodes=1, cache_bytes=_CACHE.bytes, in
 def _smallest(variant):
     """The smallest useful core: HN 8 at nodes, strips to memory from a cache of 8 KB."""
     return _core(8, variant, _NODES, 8 << 10, output="memory", strip=128)
+
+
+def _fixed(**options):
+    """The smallest useful core without what a camera that never changes leaves unused."""
+    return _core(8, "table", _NODES, 8 << 10, output="memory", strip=128, **options)
 
 
 def _four_lanes(variant, interpolation=FAST):
@@ -160,6 +170,10 @@ BLOCKS = {
              "HN 4 smallest": _core(4, "table", share=4), "HN 8": _core(8),
              "HN 8, nodes, 8 KB": _smallest("mmhbc"),
              "HN 8, nodes, 8 KB, table": _smallest("table"),
+             "HN 8, nodes, 8 KB, table, fixed lens": _fixed(fixed_lens=True),
+             "HN 8, nodes, 8 KB, table, no counters": _fixed(counters=False),
+             "HN 8, nodes, 8 KB, table, no follow": _fixed(follow=False),
+             "HN 8, smallest": _fixed(fixed_lens=True, counters=False, follow=False),
              "HN 16, nodes": _core(16, nodes=_NODES),
              "HN 16, nodes, table": _core(16, "table", _NODES),
              "HN 16, nodes, table, view": _core(16, "table", _NODES, view=True),

@@ -27,9 +27,10 @@ from ncdc_spec.view_rows import (
 from ncdc_spec.white_balance import GAIN_BITS
 
 __all__ = ["ADDRESS_WORDS_BITS", "BAYER_MONO", "Bits", "CAPABILITIES", "capabilities",
-           "COLOUR_COUNTERS", "COLOUR_SETTINGS", "CONSTANTS", "COUNTERS", "counters",
+           "absent", "COLOUR_COUNTERS", "COLOUR_SETTINGS", "CONSTANTS", "COUNTERS", "counters",
            "CTRL_ABORT", "CTRL_COMMIT", "CTRL_START", "FAULT_ALIGNMENT", "FAULT_FORMAT",
-           "FAULT_MEMORY", "FAULT_SIZE", "FAULT_SOURCE", "FAULT_TARGET", "Flag", "ID",
+           "FAULT_MEMORY", "FAULT_SIZE", "FAULT_SOURCE", "FAULT_TARGET", "FIXED_LENS_BIT", "Flag",
+           "ID", "NO_COUNTERS_BIT", "NO_FOLLOW_BIT",
            "INTERPOLATION_BITS", "network_registers", "NODES", "OUTSIDE_DIGEST", "RAW_GAINS",
            "Register", "registers", "SKIP", "STATUS_ABORTED", "STATUS_BANK",
            "STATUS_BUSY", "STATUS_COMMITTED", "STATUS_DONE", "STATUS_FAULT",
@@ -58,6 +59,10 @@ OUTSIDE_DIGEST = ("VALID_BANK", "SOURCE_BASE", "SOURCE_LIMIT", "SOURCE_PITCH", "
                   *COLOUR_SETTINGS, *RAW_GAINS, *VIEW_REGISTERS, *CAMERA_FORMATS, "VIEWS",
                   *ROWS_REGISTERS)
 
+# Registers of the set that hardware with a fixed lens has.
+_WITH_FIXED_LENS = ("SOURCE_BASE", "SOURCE_LIMIT", "TARGET_BASE", "TARGET_LIMIT", "FOLLOW",
+                    *COLOUR_SETTINGS, *RAW_GAINS)
+
 CTRL_START, CTRL_COMMIT, CTRL_ABORT = 1, 2, 4
 STATUS_BUSY, STATUS_DONE, STATUS_PENDING = 1, 2, 4
 STATUS_COMMITTED, STATUS_REFUSED, STATUS_BANK, STATUS_ABORTED = 8, 16, 32, 64
@@ -67,6 +72,7 @@ BAYER_MONO = 4            # of BAYER_PHASE
 # Of CAPABILITIES.
 INTERPOLATION_BITS = {FAST.name: 0x400, GRADIENT.name: 0x800, DIRECTIONAL.name: 0x200000}
 VIEW_BIT = 1 << 28
+FIXED_LENS_BIT, NO_FOLLOW_BIT, NO_COUNTERS_BIT = 1 << 29, 1 << 30, 1 << 31
 FAULT_SOURCE, FAULT_TARGET, FAULT_ALIGNMENT, FAULT_SIZE, FAULT_FORMAT = 1, 2, 4, 8, 16
 FAULT_MEMORY = 32
 
@@ -292,7 +298,12 @@ _FIXED = (
             Flag("CAPTURE_GAINS", 0x800000, "ro", "1: it has gains before interpolation, of "
                  "samples as the camera captures them: `CAPTURE_GAINS`"),
             Flag("MAX_SPLIT", 0xF000000, "ro", "largest `CACHE_SPLIT`"),
-            Flag("VIEW", VIEW_BIT, "ro", "1: it has a view: `VIEW_X_U` and so on"), access="ro"),
+            Flag("VIEW", VIEW_BIT, "ro", "1: it has a view: `VIEW_X_U` and so on"),
+            Flag("FIXED_LENS", FIXED_LENS_BIT, "ro", "1: lens, sizes, format and strips are "
+                 "constants; of the set only addresses and colour can be written"),
+            Flag("NO_FOLLOW", NO_FOLLOW_BIT, "ro", "1: there is no `FOLLOW`"),
+            Flag("NO_COUNTERS", NO_COUNTERS_BIT, "ro", "1: `FRAMES` alone counts, and the sums "
+                 "of colours"), access="ro"),
     _action("LARGEST", 0x26, "Largest corrected image that this instance makes.",
             Flag("WIDTH", 0x1FFF, "ro", "pixels per row"),
             Flag("HEIGHT", 0x1FFF0000, "ro", "rows"), access="ro"),
@@ -441,6 +452,16 @@ def registers(hidden_neurons, formats, nodes=1, colour=False, raw_balance=False,
             *network_registers(hidden_neurons, formats), *_list_registers(views))
 
 
+def absent(table, hardware):
+    """Names of the registers of ``table`` that ``hardware`` leaves out: constants of its
+    configuration, or counters. They read 0, and writes to them are ignored."""
+    names = set() if hardware.counters else set(COUNTERS)
+    if hardware.fixed_lens:
+        names |= {"VALID_WINDOW"} | {row.name for row in table if row.access == "shadow"
+                                     and row.name not in _WITH_FIXED_LENS}
+    return frozenset(names if hardware.follow else names | {"FOLLOW"})
+
+
 def counters(table):
     """The registers of ``table`` that count, as opposed to read-only constants."""
     return tuple(r for r in table if r.name in (*COUNTERS, *COLOUR_COUNTERS, "FRAMES"))
@@ -464,6 +485,9 @@ def capabilities(hardware, width, height, capture=False):
             | INTERPOLATION_BITS[interpolation.name] | hardware.lanes << 12
             | hardware.colour << 15 | hardware.data_width // 8 << 16
             | hardware.raw_balance << 22 | capture << 23 | split << 24
-            | (VIEW_BIT if hardware.view else 0),
+            | (VIEW_BIT if hardware.view else 0)
+            | (FIXED_LENS_BIT if hardware.fixed_lens else 0)
+            | (0 if hardware.follow else NO_FOLLOW_BIT)
+            | (0 if hardware.counters else NO_COUNTERS_BIT),
             "LARGEST": width | height << 16,
             **({ROWS_STATUS: hardware.view_rows} if hardware.view_rows else {})}

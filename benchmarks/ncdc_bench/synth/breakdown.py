@@ -1,0 +1,175 @@
+"""Which module of a block each cell of its flat netlist belongs to."""
+
+import re
+from bisect import bisect
+from collections import Counter, defaultdict
+
+__all__ = ["RESOURCES", "breakdown"]
+
+RESOURCES = ("alm", "le", "lut", "ff", "dsp", "ram_blocks")
+
+_LINE = re.compile(r"design\.v:(\d+)\.")
+_FF = ("MISTRAL_FF", "dffeas")
+_LUT = ("MISTRAL_ALUT", "cycloneive_lcell_comb", "MISTRAL_MLAB")
+_RAM = ("MISTRAL_M10K", "NCDC_M9K")
+# Products that a DSP block has space for: of 27 x 27 bits on Cyclone V one, and so on.
+_DSP = {"MISTRAL_MUL27X27": 1, "MISTRAL_MUL18X18": 1 / 2, "MISTRAL_MUL9X9": 1 / 3,
+        "NCDC_MUL18X18": 1}
+
+
+def breakdown(tree, flat, top):
+    """Cells of a netlist by the instance that each belongs to.
+
+    A cell that has a line of the Verilog belongs to the module of that line. Memories have the
+    names of their instances. A LUT belongs to the instance that declares the signal it gives.
+    A LUT inside an expression belongs to the instance of most of the cells that read it.
+
+    Parameters
+    ----------
+    tree : dict
+        Yosys's JSON of the Verilog as it is read, a module each.
+    flat : dict
+        Yosys's JSON of the flat netlist for a Cyclone.
+    top : str
+
+    Returns
+    -------
+    list of dict
+        ``path``: names of the instances from the top on, "" for the top's own cells; ``module``.
+        ``lut``, ``ff``, ``dsp``, ``ram_blocks``: of the instance without those in it. ``le``:
+        logic elements of Cyclone IV, else None. ``alm``: on Cyclone V half of ``lut``, else None.
+        A fraction of a DSP block or ALM is what the cells fill of one. All rows of ``le``,
+        ``lut``, ``ff`` and ``ram_blocks`` add up to the figures of the netlist.
+    """
+    return _Netlist(tree["modules"], flat["modules"][top], top).rows()
+
+
+class _Netlist:
+    """A flat netlist with the instances that it was made of."""
+
+    def __init__(self, modules, flat, top):
+        self.cells = flat["cells"]
+        self.instances = dict(_instances(modules, top))         # path: module
+        self.of_module = defaultdict(list)
+        for path, module in self.instances.items():
+            self.of_module[module].append(path)
+        starts = sorted((int(_LINE.match(module["attributes"]["src"])[1]), name)
+                        for name, module in modules.items() if "src" in module["attributes"])
+        self.lines, self.at_line = zip(*starts)
+        self.named = self._named(modules, flat["netnames"])
+        self.readers = defaultdict(list)
+        for name, cell in self.cells.items():
+            for bit in _bits(cell, "input"):
+                self.readers[bit].append(name)
+        self.places = {}                                        # path by the cell's name
+
+    def rows(self):
+        """The result of :func:`breakdown`."""
+        for name, cell in self.cells.items():
+            if not _is_lut(cell) or _LINE.search(cell["attributes"].get("src", "")):
+                self.places[name] = self._by_source(name, cell)
+        for name in self.cells:
+            self._place(name)
+        followed = self._followed()
+        cyclone_iv = any(cell["type"] in ("dffeas", "cycloneive_lcell_comb")
+                         for cell in self.cells.values())
+        sums = {path: Counter() for path in self.instances}
+        for name, cell in self.cells.items():
+            sums[self.places[name]].update(_amounts(cell, followed))
+        return [{"path": path, "module": self.instances[path],
+                 "alm": None if cyclone_iv else one["lut"] / 2,
+                 "le": one["le"] if cyclone_iv else None, "lut": one["lut"], "ff": one["ff"],
+                 "dsp": round(one["dsp"], 3), "ram_blocks": one["ram_blocks"]}
+                for path, one in sums.items()]
+
+    def _named(self, modules, nets):
+        """Paths of the instances that declare a bit and drive it, by bit: the innermost one."""
+        named = {}
+        for name, net in nets.items():
+            path, _, local = name.rpartition(".")
+            ports = modules.get(self.instances.get(path), {"ports": {}})["ports"]
+            known = modules.get(self.instances.get(path), {"netnames": {}})["netnames"]
+            if local not in known or (path and ports.get(local, {}).get("direction") == "input"):
+                continue
+            for bit in net["bits"]:
+                if bit not in named or len(path) > len(named[bit]):
+                    named[bit] = path
+        return named
+
+    def _by_source(self, name, cell):
+        """Path of a cell that has a line of the Verilog, or the name of its instance."""
+        of_name = self._prefix(name)
+        line = _LINE.search(cell["attributes"].get("src", ""))
+        if not line:
+            return of_name
+        module = self.at_line[bisect(self.lines, int(line[1])) - 1]
+        paths = self.of_module[module]
+        if len(paths) == 1:
+            return paths[0]
+        outputs = [self.named[bit] for bit in _bits(cell, "output") if bit in self.named]
+        return max(paths, key=lambda path: (outputs.count(path), of_name == path,
+                                            of_name.startswith(path)))
+
+    def _prefix(self, name):
+        """The longest path of an instance that ``name`` begins with."""
+        while name and name not in self.instances:
+            name = name.rpartition(".")[0]
+        return name
+
+    def _place(self, name):
+        """Find the instance of LUT ``name``, and of the LUTs after it, without recursion."""
+        stack = [name]
+        while stack:
+            cell = self.cells[stack[-1]]
+            if stack[-1] in self.places:
+                stack.pop()
+                continue
+            outputs = _bits(cell, "output")
+            own = [self.named[bit] for bit in outputs if bit in self.named]
+            readers = [] if own else [r for bit in outputs for r in self.readers[bit]]
+            unknown = [r for r in readers if r not in self.places]
+            if unknown and not set(unknown) & set(stack):
+                stack += unknown
+                continue
+            places = own or [self.places[r] for r in readers if r in self.places]
+            self.places[stack.pop()] = (Counter(places).most_common(1)[0][0] if places
+                                        else self._prefix(name))
+
+    def _followed(self):
+        """Flip-flops of a Cyclone IV in the logic element of the LUT before them."""
+        given = {bit for cell in self.cells.values() if cell["type"] == "cycloneive_lcell_comb"
+                 for bit in cell["connections"]["combout"]}
+        followed = set()
+        for cell in self.cells.values():
+            bits = cell["connections"].get("d", []) if cell["type"] == "dffeas" else []
+            if bits and bits[0] in given:
+                given.discard(bits[0])
+                followed.add(id(cell))
+        return followed
+
+
+def _instances(modules, module, path=""):
+    """(path, module) of ``module`` and of all instances in it."""
+    yield path, module
+    for name, cell in modules[module]["cells"].items():
+        if cell["type"] in modules:
+            yield from _instances(modules, cell["type"], f"{path}.{name}" if path else name)
+
+
+def _bits(cell, direction):
+    """Bits of a cell's ports of a direction, constants excluded."""
+    return [bit for port, bits in cell["connections"].items()
+            if cell["port_directions"].get(port) == direction
+            for bit in bits if isinstance(bit, int)]
+
+
+def _is_lut(cell):
+    return cell["type"].startswith(_LUT[:2])
+
+
+def _amounts(cell, followed):
+    """What one cell adds to the sums of its instance."""
+    kind = cell["type"]
+    lut, ff = kind.startswith(_LUT), kind in _FF
+    return {"lut": int(lut), "ff": int(ff), "le": int(lut or (ff and id(cell) not in followed)),
+            "ram_blocks": int(kind in _RAM), "dsp": _DSP.get(kind, 0)}
