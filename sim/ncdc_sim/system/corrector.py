@@ -27,6 +27,7 @@ from ncdc_spec.registers.register_map import (
     COUNTERS,
     CTRL_COMMIT,
     CTRL_START,
+    absent,
     registers,
 )
 from ncdc_spec.view_rows import rows_words
@@ -111,24 +112,27 @@ def corrector_program(descriptor, hardware, checked=True, follow=False, colour=C
     """Register accesses of a host to correct one frame.
 
     Every parameter is written (and, if ``checked``, read back), a frame started and awaited, the
-    counters read. With ``follow`` the camera begins its frame just before the start. ``colour`` is
+    counters read. What the ``hardware`` leaves out must ignore what is written, and read 0. With
+    ``follow`` the camera begins its frame just before the start. ``colour`` is
     of hardware that has it, and so is ``view``.
     """
     host = host_values(descriptor, hardware, follow=follow, colour=colour, view=view)
     rows = registers_of(descriptor, hardware)
-    writes = [(rows[name].address, value)
+    gone = absent(rows.values(), hardware)
+    writes = [(rows[name].address, value, 0 if name in gone else value)
               for name, value in host.items()]
-    writes += table_words(descriptor.valid)
+    writes += [(address, value, 0 if hardware.fixed_lens else value)
+               for address, value in table_words(descriptor.valid)]
     written_only = rows_words(view.rows) if view and view.rows else []
     target = host["TARGET_BASE"]
     picture = view.geometry(descriptor.geometry) if view else descriptor.geometry
     written = 0 if hardware.stream else frame_bytes(picture, output_format(hardware.format))
     program = Program().allow((host["SOURCE_BASE"], host["SOURCE_LIMIT"]),
                               (target, target + written))
-    for address, value in [*writes, *written_only, (rows["IRQ_ENABLE"].address, 1)]:
+    for address, value, *_ in [*writes, *written_only, (rows["IRQ_ENABLE"].address, 1)]:
         program.write(address, value)
     if checked:
-        for address, value in writes:
+        for address, _, value in writes:
             program.compare(address, value)
     if follow:
         program.camera(host["SOURCE_BASE"])
