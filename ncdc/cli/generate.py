@@ -6,6 +6,7 @@ from ncdc.cli.common import add_json, raw_frame, write_report
 from ncdc.cli.hardware import (
     add_bus,
     add_hardware,
+    add_reductions,
     add_view_registers,
     fixed_of,
     front_end_line,
@@ -59,6 +60,7 @@ def add_arguments(parser) -> None:
                                "interpolation, which change no pixel until they are written; for "
                                "raw frames that NCDC's own camera has not balanced")
     add_view_registers(hardware)
+    add_reductions(hardware)
     add_bus(hardware)
     more = parser.add_argument_group("what is written")
     more.add_argument("--name", metavar="NAME",
@@ -179,7 +181,15 @@ def _check_options(args, hardware):
         if getattr(args, option) is not None and not args.system:
             raise InputError(f"--{option.replace('_', '-')} {getattr(args, option)} is given, it "
                              "needs --system: a corrector alone reads its frames from memory")
+    left_out = next((f"--{key.replace('_', '-')}" for key in
+                     ("fixed_lens", "no_follow", "no_counters") if getattr(args, key)), None)
     for wrong, sentence in (
+            (left_out and (args.system or args.board),
+             f"{left_out} and --{'system' if args.system else 'board'} are given, only a corrector "
+             f"alone can leave parts out"),
+            (args.fixed_lens and args.lens,
+             f"--fixed-lens and --lens {(args.lens or [''])[0]} are given, no other lens can be "
+             f"loaded"),
             (args.system and args.board,
              f"--system and {board} are given, its project is of a corrector alone"),
             (hardware.axi and args.board,

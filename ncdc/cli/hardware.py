@@ -23,9 +23,9 @@ from ncdc_spec.nodes import row_nodes
 from ncdc_spec.view_list import MAX_VIEWS
 from ncdc_spec.view_rows import MAX_MATRICES, MIN_MATRICES
 
-__all__ = ["add_bus", "add_fixed", "add_format", "add_hardware", "add_lanes", "add_single_view",
-           "add_view_registers", "choice_line", "fixed_of", "front_end_line", "hardware_of",
-           "planned"]
+__all__ = ["add_bus", "add_fixed", "add_format", "add_hardware", "add_lanes", "add_reductions",
+           "add_single_view", "add_view_registers", "choice_line", "fixed_of", "front_end_line",
+           "hardware_of", "planned"]
 
 _LONG = 1 << 20         # pixels of a frame from which on planning shows its progress
 
@@ -102,6 +102,17 @@ def add_view_registers(parser):
                              f"{MIN_MATRICES} to {MAX_MATRICES}, for a rolling shutter")
 
 
+def add_reductions(parser):
+    """Declare the options that leave registers out."""
+    parser.add_argument("--fixed-lens", action="store_true",
+                        help="lens, sizes, format and strips are constants, without registers: "
+                             "smaller, and it corrects this camera alone")
+    parser.add_argument("--no-follow", action="store_true",
+                        help="without early start: a frame begins when its raw frame is complete")
+    parser.add_argument("--no-counters", action="store_true",
+                        help="without the counters of a frame's clocks, pixels, tiles and stalls")
+
+
 def add_bus(parser):
     """Declare the option --bus."""
     parser.add_argument("--bus", choices=BUSES, default=BUSES[0],
@@ -136,6 +147,9 @@ def hardware_of(args, board=None):
                                  or getattr(args, "raw_balance", None) is not None),
                     view=getattr(args, "view", False) or rows != 0, view_rows=rows,
                     views=getattr(args, "views", 0),
+                    fixed_lens=getattr(args, "fixed_lens", False),
+                    follow=not getattr(args, "no_follow", False),
+                    counters=not getattr(args, "no_counters", False),
                     bus=getattr(args, "bus", BUSES[0]), video=getattr(args, "video", VIDEOS[0]),
                     **{name: value for name, value in chosen.items() if value is not None})
 

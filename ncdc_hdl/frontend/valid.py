@@ -87,7 +87,8 @@ class ValidTable(_Rows, wiring.Component):
         for k in range(SPANS_PER_ROW):
             # A frame's bank is not written, and the host does one access at a time. No word is used
             # that was read in the clock of its write.
-            m.submodules[f"memory{k}"] = memory = block_memory(2 * bits, 2 * rows, self._entries(k) * 2)
+            m.submodules[f"memory{k}"] = memory = block_memory(
+                2 * bits, 2 * rows, self._entries(k) * 2)
             write, read = memory.write_port(), memory.read_port()
             m.d.comb += [
                 read.addr.eq(Mux(host.read, host_address, wanted)),

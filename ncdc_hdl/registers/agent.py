@@ -111,7 +111,8 @@ class Registers(wiring.Component):
     """Clocks from ``ended`` to ``irq``."""
 
     def __init__(self, table, values, constants, *, in_memory=(), neurons=0, constant=()):
-        self.table, self.values, self.fixed = table, values, "VALID_BANK" in constant
+        self.table, self.values = table, values
+        self.constant, self.fixed = constant, "VALID_BANK" in constant
         of_list = listed(table)
         # Rows with a register of their own.
         self.rows = [r for r in table

@@ -16,6 +16,7 @@ from ncdc_spec.hardware import Hardware
 from ncdc_spec.interpolation import DIRECTIONAL, FAST, GRADIENT
 from ncdc_spec.registers.host_values import network_values
 from ncdc_spec.registers.register_map import (
+    FIXED_LENS_BIT,
     ID,
     INTERPOLATION_BITS,
     STATUS_BANK,
@@ -27,16 +28,17 @@ from ncdc_spec.registers.register_map import (
 CONSOLE = Path(__file__).resolve().parents[1] / "support" / "tcl" / "console.tcl"
 OFFSETS = {r.name: 4 * r.address for r in registers(WIDE.hidden_neurons, WIDE.formats)}
 # NCDC_ERROR_... in C, a word of the message in Python and Tcl.
-OK, NEURONS, INTERPOLATION, SIZE, COMMITTED = range(5)
+OK, NEURONS, INTERPOLATION, SIZE, COMMITTED, FIXED = range(6)
 WORDS = {NEURONS: "hidden neurons", INTERPOLATION: "interpolation", SIZE: "20x16 pixels",
-         COMMITTED: "commit"}
+         COMMITTED: "commit", FIXED: "fixed lens"}
 
 
-def machine(neurons=3, interpolation=FAST, largest=(31, 20), lanes=1, status=0):
-    """Registers of a corrector, by name."""
-    return {"ID": ID, "NEURONS": neurons, "LARGEST": largest[1] << 16 | largest[0],
+def machine(neurons=3, interpolation=FAST, largest=(31, 20), lanes=1, status=0, fixed=None):
+    """Registers of a corrector, by name; with a ``fixed`` lens of that digest."""
+    return {"ID": ID, "DIGEST": int((fixed or "0" * 12)[:8], 16), "NEURONS": neurons,
+            "LARGEST": largest[1] << 16 | largest[0],
             "CAPABILITIES": (VERSION | INTERPOLATION_BITS[interpolation.name] | lanes << 12
-                             | 4 << 16),
+                             | 4 << 16 | (FIXED_LENS_BIT if fixed else 0)),
             "STATUS": status}
 
 
@@ -51,6 +53,8 @@ CASES = {
     "three lanes": (machine(lanes=3), SIZE),
     "a commit waits": (machine(status=STATUS_COMMITTED), COMMITTED),
     "neurons first": (machine(neurons=2, lanes=3), NEURONS),
+    "another fixed lens": (machine(fixed=TELE.digest), FIXED),
+    "its fixed lens": (machine(fixed=WIDE.digest), OK),
 }
 
 C = """#include <stdio.h>
@@ -74,7 +78,8 @@ int main(int count, char **words)
     result = ncdc_load(&device, &ncdc_lens_wide);
     printf("%d %u", result == NCDC_OK ? 0 : result == NCDC_ERROR_NEURONS ? 1
                   : result == NCDC_ERROR_INTERPOLATION ? 2 : result == NCDC_ERROR_SIZE ? 3
-                  : result == NCDC_ERROR_COMMITTED ? 4 : 9, (unsigned)writes);
+                  : result == NCDC_ERROR_COMMITTED ? 4
+                  : result == NCDC_ERROR_FIXED_LENS ? 5 : 9, (unsigned)writes);
     return 0;
 }
 """
@@ -148,8 +153,9 @@ def test_three_drivers_agree(folder, case):
     (folder / "script").write_text("ncdc::connect\n"
                                    "if {[catch {ncdc::load wide} said]} {puts $said}\n")
     lens = Lens.of(Corrector(WIDE, Hardware()), WIDE)
-    # The values and the valid rows, bank and window; nothing if the lens is rejected.
-    writes = 0 if expected else len(lens.values) + len(lens.valid_rows) + 2
+    # The values and the valid rows, bank and window; nothing if the lens is rejected, or fixed.
+    fixed = device["CAPABILITIES"] & FIXED_LENS_BIT
+    writes = 0 if expected or fixed else len(lens.values) + len(lens.valid_rows) + 2
     found = {name: run(folder, words) for name, run in
              (("C", by_c), ("Python", by_python), ("Tcl", by_tcl))}
     assert found == dict.fromkeys(found, (expected, writes))

@@ -9,6 +9,7 @@ from ncdc_hdl.export.drivers.python_registers import python_lenses, python_regis
 from ncdc_hdl.export.drivers.system_rdl import system_rdl
 from ncdc_hdl.export.drivers.tcl_data import tcl_data
 from ncdc_spec import white_balance
+from ncdc_spec.registers.register_map import COUNTERS
 
 __all__ = ["driver_files"]
 
@@ -34,7 +35,9 @@ def driver_files(corrector, named, system=()):
     InputError
         As in :func:`ncdc_hdl.export.drivers.lenses.lenses_of`.
     """
-    lenses, table = lenses_of(corrector, named), (*corrector.registers.table, *system)
+    lenses = lenses_of(corrector, named)
+    uncounted = () if corrector.hardware.counters else COUNTERS
+    table = (*(row for row in corrector.registers.table if row.name not in uncounted), *system)
     host = files("ncdc_hdl.export.drivers") / "host"
     return {
         "ncdc_registers.h": c_header(table),

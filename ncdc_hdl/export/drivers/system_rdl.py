@@ -20,7 +20,7 @@ def system_rdl(agent):
     lines = ["addrmap ncdc {", '    name = "NCDC corrector";', "    lsb0;",
              "    addressing = regalign;", "    default regwidth = 32;",
              "    default accesswidth = 32;", ""]
-    for register in agent.table:
+    for register in (row for row in agent.table if row.name not in agent.constant):
         lines += ["    reg {", f"        desc = {_quoted(_text(register))};"]
         for flag in register.flags:
             lines.append(f"        field {{ {_ACCESS[flag.access]} desc = {_quoted(flag.text)}; }} "
@@ -32,11 +32,12 @@ def system_rdl(agent):
             lines.append(f"        field {{ {_field_access(register, agent.constants)} }} "
                          f"VALUE[{width - 1}:0] = {width}'h{value:x};")
         lines.append(f"    }} {register.name} @ 0x{4 * register.address:04X};")
-    lines += ["    external mem {",
-              '        desc = "Valid rows: start | stop << 16 of two spans.";',
-              f"        mementries = {(1 << ADDRESS_WORDS_BITS) - TABLE};",
-              "        memwidth = 32;",
-              "        sw = rw;", f"    }} VALID_ROWS @ 0x{4 * TABLE:04X};"]
+    if not agent.fixed:
+        lines += ["    external mem {",
+                  '        desc = "Valid rows: start | stop << 16 of two spans.";',
+                  f"        mementries = {(1 << ADDRESS_WORDS_BITS) - TABLE};",
+                  "        memwidth = 32;",
+                  "        sw = rw;", f"    }} VALID_ROWS @ 0x{4 * TABLE:04X};"]
     if agent.view_rows:
         lines += ["    external mem {",
                   '        desc = "View: matrices down the raw frame.";',

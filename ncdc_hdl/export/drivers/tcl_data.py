@@ -27,7 +27,8 @@ def tcl_data(table, lenses, form):
     lines += [f"    {r.name}_{flag.name} 0x{flag.mask:x}" for r in table for flag in r.flags]
     lines += ["}", "variable lenses {"]
     for name, lens in lenses.items():
-        lines += [f"    {name} {{", f"        neurons {lens.neurons} width {lens.width} "
+        lines += [f"    {name} {{", f"        digest {lens.digest}",
+                  f"        neurons {lens.neurons} width {lens.width} "
                   f"height {lens.height} "
                   f"interpolation 0x{INTERPOLATION_BITS[lens.interpolation]:x}",
                   f"        raw_width {lens.values['DISTORTED_WIDTH']} "

@@ -40,6 +40,19 @@ int ncdc_altered(const struct ncdc *device)
     return get(device, NCDC_ALTERED) != 0;
 }
 
+/* The first 32 bits of a lens's digest, as in DIGEST. */
+static uint32_t digest(const struct ncdc_lens *lens)
+{
+    uint32_t word = 0, k;
+
+    for (k = 0; k < 8; ++k) {
+        char digit = lens->digest[k];
+
+        word = word << 4 | (uint32_t)(digit <= '9' ? digit - '0' : digit - 'a' + 10);
+    }
+    return word;
+}
+
 enum ncdc_result ncdc_load(const struct ncdc *device, const struct ncdc_lens *lens)
 {
     uint32_t status = get(device, NCDC_STATUS);
@@ -48,6 +61,8 @@ enum ncdc_result ncdc_load(const struct ncdc *device, const struct ncdc_lens *le
     uint32_t capabilities = get(device, NCDC_CAPABILITIES);
     uint32_t k;
 
+    if (capabilities & NCDC_CAPABILITIES_FIXED_LENS)
+        return get(device, NCDC_DIGEST) == digest(lens) ? NCDC_OK : NCDC_ERROR_FIXED_LENS;
     if (get(device, NCDC_NEURONS) != lens->neurons)
         return NCDC_ERROR_NEURONS;
     if (!(capabilities & lens->interpolation))

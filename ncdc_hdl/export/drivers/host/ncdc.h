@@ -78,7 +78,8 @@ enum ncdc_result {
     NCDC_ERROR_ALIGNMENT,   /* a buffer does not begin on a memory word */
     NCDC_ERROR_ROOM,        /* a buffer is too small for a frame of the lens */
     NCDC_ERROR_FAULT,       /* the corrector rejected a frame, or an access outside its buffers */
-    NCDC_ERROR_INTERPOLATION /* the lens is for an interpolation that the corrector lacks */
+    NCDC_ERROR_INTERPOLATION, /* the lens is for an interpolation that the corrector lacks */
+    NCDC_ERROR_FIXED_LENS   /* the corrector has another lens, which is fixed */
 };
 
 /* Does a corrector answer, with registers that this driver supports? */
@@ -90,7 +91,8 @@ int ncdc_altered(const struct ncdc *device);
 
 /* Write a lens to the set that the next commit makes active, its valid rows to the bank that is
  * not in use. A frame that runs meanwhile does not use it. The lens comes with one view, its own
- * picture: load it first, then write views and matrices. */
+ * picture: load it first, then write views and matrices. A corrector with a fixed lens accepts
+ * that one alone, and nothing is written. */
 enum ncdc_result ncdc_load(const struct ncdc *device, const struct ncdc_lens *lens);
 
 /* Memory of the raw and of the corrected frame of `lens`, also for the next commit. Nothing

@@ -87,6 +87,15 @@ proc ncdc::load {name} {
         error "the lens is $name, there are [join [dict keys $lenses] {, }]"
     }
     set one [dict get $lenses $name]
+    if {[field CAPABILITIES FIXED_LENS]} {
+        set found [format %08x [get DIGEST]]
+        set digest [string range [dict get $one digest] 0 7]
+        if {$found ne $digest} {
+            error "the lens $name has the digest $digest, the corrector has the fixed lens $found"
+        }
+        set lens $name
+        return
+    }
     if {[dict get $one neurons] != [get NEURONS]} {
         error "the lens $name has [dict get $one neurons] hidden neurons, the corrector [get NEURONS]"
     }

@@ -45,6 +45,8 @@ class Corrector:
         It has gains after interpolation, a tone curve, and sums of the colours.
     raw_gains : bool
         It has gains before interpolation, of raw frames as they are read.
+    fixed_lens : bool
+        Its lens, sizes, format and strips are constants.
     has_view : bool
         It has registers for the matrix of a view.
     interpolations : tuple of str
@@ -66,6 +68,7 @@ class Corrector:
         self.stream = bool(word & registers.CAPABILITIES_STREAM)
         self.colour = bool(word & registers.CAPABILITIES_COLOUR)
         self.raw_gains = bool(word & registers.CAPABILITIES_RAW_GAINS)
+        self.fixed_lens = bool(word & registers.CAPABILITIES_FIXED_LENS)
         self.has_view = bool(word & registers.CAPABILITIES_VIEW)
         self.interpolations = tuple(name for name, mask in registers.INTERPOLATIONS.items()
                                     if word & mask)
@@ -89,15 +92,22 @@ class Corrector:
 
         Its valid rows go to the bank that is not in use; a frame that runs meanwhile does not
         use them. The lens comes with one view, its own picture: load it first, then write
-        views and matrices.
+        views and matrices. A corrector with a fixed lens accepts that one alone, and nothing is
+        written.
 
         Raises
         ------
         CorrectorError
-            If a commit still waits, the number of neurons differs, the corrector lacks the
-            lens's interpolation, the corrected image is larger than the corrector's or no multiple
-            of its lanes, or a write was rejected.
+            If the corrector has another, fixed lens, a commit still waits, the number of neurons
+            differs, the corrector lacks the lens's interpolation, the corrected image is larger
+            than the corrector's or no multiple of its lanes, or a write was rejected.
         """
+        if self.fixed_lens:
+            found, digest = f"{self.get('DIGEST'):08x}", lens["digest"][:8]
+            if found != digest:
+                raise CorrectorError(f"the lens has the digest {digest}, the corrector has the "
+                                     f"fixed lens {found}")
+            return
         status, neurons = self.get("STATUS"), self.get("NEURONS")
         if neurons != lens["neurons"]:
             raise CorrectorError(f"the lens has {lens['neurons']} hidden neurons, "
