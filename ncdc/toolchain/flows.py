@@ -23,8 +23,8 @@ from ncdc_spec.errors import InputError
 from ncdc_spec.needs import pip_line
 
 __all__ = ["SCRIPTS", "SEEDS", "SPEED", "Registered", "SynthesisError", "absorbed", "call_tool",
-           "check_tools", "cyclone_iv", "cyclone_v", "ecp5", "ecp5_netlist", "plain_netlist",
-           "synthesise", "tool_versions"]
+           "check_tools", "cyclone_iv", "cyclone_v", "ecp5", "ecp5_netlist", "module_tree",
+           "paired", "plain_netlist", "synthesise", "tool_versions"]
 
 SEEDS = (1, 2, 3)       # of nextpnr's placement; the median clock counts
 SPEED = 8               # grade of the ECP5, of 6, 7 and 8, if no other is asked for
@@ -111,7 +111,7 @@ def synthesise(verilog, top, *, seeds=SEEDS, progress=None):
         verilog, top, progress=progress)
 
 
-def cyclone_v(verilog, top, *, progress=lambda step: None):
+def cyclone_v(verilog, top, *, progress=lambda step: None, found=lambda netlist: None):
     """Size on Cyclone V, before placement: the open flow ends there.
 
     An ALM holds two ALUTs and four flip-flops: ``alm`` is the larger of half the ALUTs and a
@@ -119,6 +119,8 @@ def cyclone_v(verilog, top, *, progress=lambda step: None):
     one product of 27 x 27 bits, two of 18 x 18 or three of 9 x 9. A memory that would not fill a
     third of its M10Ks is made of MLABs, each of ten ALMs. An MLAB's 20 words of 32 x 1 bit count
     as ALUTs.
+
+    ``found`` is called with the flat netlist, Yosys's JSON as a dict.
     """
     progress("Cyclone V: Yosys")
     with tempfile.TemporaryDirectory(prefix="ncdc-") as name:
@@ -126,6 +128,7 @@ def cyclone_v(verilog, top, *, progress=lambda step: None):
         for name, limit in _RULES.items():
             (folder / name).write_text(_rules(name, *limit))
         cells = _yosys(folder, verilog, _CYCLONE_V.format(top=top))
+        found(json.loads((folder / "netlist.json").read_text()))
     alut = _sum(cells, "MISTRAL_ALUT") + cells.get("MISTRAL_MLAB", 0)
     ff = cells.get("MISTRAL_FF", 0)
     return {"alm": max(-(-alut // 2), -(-ff // 4)), "alut": alut, "alm_ff": ff,
@@ -143,6 +146,7 @@ techmap -map +/intel_alm/common/bram_m10k_map.v
 memory_bram -rules lutram_mlab.txt
 setparam -unset INIT t:MISTRAL_MLAB
 {_ALM} -run map_ffram:
+write_json netlist.json
 """
 # Changes to Yosys's rules. M10Ks are for memories that fill them to 33 percent. An MLAB can have
 # initial values, as its simulation model in Yosys has.
@@ -159,7 +163,7 @@ def _rules(name, theirs, ours):
     return text
 
 
-def cyclone_iv(verilog, top, *, progress=lambda step: None):
+def cyclone_iv(verilog, top, *, progress=lambda step: None, found=lambda netlist: None):
     """Size on Cyclone IV E, before placement: ``lut``, ``ff``, ``le``, ``multipliers_18x18``,
     ``m9k``.
 
@@ -169,6 +173,8 @@ def cyclone_iv(verilog, top, *, progress=lambda step: None):
     Yosys's flow for this family knows no multiplier, and its cells of block RAM no contents: both
     become boxes of our own, which are counted. The flip-flops around multipliers, which a fitter
     puts into them, count as flip-flops.
+
+    ``found`` is called with the flat netlist, Yosys's JSON as a dict.
     """
     progress("Cyclone IV: Yosys")
     with tempfile.TemporaryDirectory(prefix="ncdc-") as name:
@@ -176,19 +182,30 @@ def cyclone_iv(verilog, top, *, progress=lambda step: None):
         (folder / "boxes.v").write_text(_BOXES)
         (folder / "memory.v").write_text(_MEMORY)
         cells = _yosys(folder, verilog, _CYCLONE_IV.format(top=top))
-        pairs = _pairs(json.loads((folder / "netlist.json").read_text())["modules"][top])
+        netlist = json.loads((folder / "netlist.json").read_text())
+    found(netlist)
+    pairs = len(paired(netlist["modules"][top]["cells"]))
     lut, ff = cells.get("cycloneive_lcell_comb", 0), cells.get("dffeas", 0)
     return {"lut": lut, "ff": ff, "le": lut + ff - pairs,
             "multipliers_18x18": cells.get("NCDC_MUL18X18", 0), "m9k": cells.get("NCDC_M9K", 0)}
 
 
-def _pairs(module):
-    """Flip-flops of a netlist for Cyclone IV that take what a LUT gives, one for each LUT."""
-    cells = module["cells"].values()
-    given = {bit for cell in cells if cell["type"] == "cycloneive_lcell_comb"
+def paired(cells):
+    """Names of the flip-flops among ``cells`` for Cyclone IV that take what a LUT gives, one for
+    each LUT: those in the LUT's logic element."""
+    given = {bit for cell in cells.values() if cell["type"] == "cycloneive_lcell_comb"
              for bit in cell["connections"]["combout"]}
-    return len(given & {bit for cell in cells if cell["type"] == "dffeas"
-                        for bit in cell["connections"]["d"]})
+    after = {cell["connections"]["d"][0]: name for name, cell in cells.items()
+             if cell["type"] == "dffeas"}
+    return {name for bit, name in after.items() if bit in given}
+
+
+def module_tree(verilog):
+    """Modules of ``verilog`` before any of them is merged: Yosys's JSON as a dict."""
+    with tempfile.TemporaryDirectory(prefix="ncdc-") as name:
+        folder = Path(name)
+        _yosys(folder, verilog, "hierarchy -auto-top; proc; write_json tree.json")
+        return json.loads((folder / "tree.json").read_text())
 
 
 _CYCLONE_IV = """

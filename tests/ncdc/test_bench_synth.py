@@ -14,8 +14,10 @@ from ncdc.toolchain.ecp5_netlist.adder_inputs import absorb_inversions
 from ncdc.toolchain.ecp5_netlist.multiplier_registers import absorb_multiplier_registers
 from ncdc_bench.synth import measure as synthesis_rows
 from ncdc_bench.synth.blocks import BLOCKS
+from ncdc_bench.synth.breakdown import breakdown, totals
+from ncdc_bench.synth.breakdown_report import breakdown_table, plot_breakdown
 from ncdc_bench.synth.command import table
-from ncdc_bench.synth.measure import SIZES, TARGETS, block_rows
+from ncdc_bench.synth.measure import BROKEN_DOWN, SIZES, TARGETS, block_rows, breakdown_of
 
 WORSE = 0.05            # by which a figure may be worse than the table of the documentation
 BASELINE = Path(__file__).resolve().parents[2] / "docs" / "evidence" / "synthesis.json"
@@ -320,3 +322,64 @@ def test_baseline_is_of_known_blocks():
 def test_no_figure_is_worse_than_in_the_documentation(row):
     rows = block_rows(row["block"], row["variant"], [row["target"]], row["seeds"] or 1)
     assert regressions(rows, [row]) == []
+
+
+# Two instances of one module, and a register and an adder of the top's own.
+TREE = """
+module top(input clk, input [7:0] a, input [7:0] b, input s, output reg [7:0] sum, output [7:0] x,
+    output [7:0] y);
+  wire [7:0] mid;
+  part one(.clk(clk), .a(a), .b(b), .s(s), .o(mid));
+  part two(.clk(clk), .a(mid), .b(b), .s(s), .o(y));
+  assign x = mid;
+  always @(posedge clk) sum <= a + b;
+endmodule
+module part(input clk, input [7:0] a, input [7:0] b, input s, output reg [7:0] o);
+  always @(posedge clk) o <= s ? a ^ b : a & ~b;
+endmodule
+"""
+
+
+@pytest.mark.longer
+@pytest.mark.parametrize("flow,size", [(synthesis.cyclone_v, "alut"), (synthesis.cyclone_iv, "le")])
+def test_breakdown_gives_each_cell_to_its_instance(flow, size):
+    netlists = []
+    figures = flow(TREE, "top", found=netlists.append)
+    rows = {row["path"]: row for row in breakdown(synthesis.module_tree(TREE), *netlists, "top")}
+    assert {path: row["module"] for path, row in rows.items()} == {
+        "": "top", "one": "part", "two": "part"}
+    assert [rows[path]["ff"] for path in ("", "one", "two")] == [8, 8, 8]
+    assert [rows[path]["lut"] for path in ("one", "two")] == [8, 8]
+    assert rows[""]["lut"] >= 8
+    name = "lut" if size == "alut" else size
+    assert sum(row[name] for row in rows.values()) == figures[size]
+
+
+def test_totals_and_picture_of_a_breakdown(tmp_path):
+    def row(path, alm, ff):
+        return {"path": path, "module": "m", "alm": alm, "le": None, "lut": 2 * alm, "ff": ff,
+                "dsp": 0, "ram_blocks": 0}
+    rows = [row("", 5, 1), row("a", 10, 2), row("a.b", 20, 3), row("ab", 40, 4)]
+    assert {one["path"]: (one["alm"], one["ff"]) for one in totals(rows)} == {
+        "": (75, 10), "a": (30, 5), "a.b": (20, 3), "ab": (40, 4)}
+    lines = breakdown_table(rows).splitlines()
+    assert [line.split()[:2] for line in lines[1:]] == [
+        ["all", "75"], ["ab", "40"], ["a", "30"], ["b", "20"]]
+    plot_breakdown(tmp_path / "a.png", "core", rows)
+    assert (tmp_path / "a.png").read_bytes().startswith(b"\x89PNG")
+
+
+@pytest.mark.parametrize("options,sentence", [
+    (["--breakdown", "--target", "ecp5"], "there is one for cyclonev and cycloneiv"),
+    (["--plots", "pictures"], "it needs --breakdown")])
+def test_breakdown_is_of_the_cyclones(capsys, options, sentence):
+    assert main(["bench", "synth", "--block", "colour", *options]) == 2
+    assert sentence in capsys.readouterr().err
+
+
+@pytest.mark.longer
+def test_breakdown_adds_up_to_the_row():
+    for target in BROKEN_DOWN:
+        [figures] = block_rows("CSI-2", "fault counters", [target])
+        found = totals(breakdown_of("CSI-2", "fault counters", target))[0]
+        assert all(found[name] == figures[name] for name in ("le", "lut", "ff", "ram_blocks"))

@@ -4,7 +4,9 @@ import re
 from bisect import bisect
 from collections import Counter, defaultdict
 
-__all__ = ["RESOURCES", "breakdown"]
+from ncdc.toolchain.flows import paired
+
+__all__ = ["RESOURCES", "breakdown", "totals"]
 
 RESOURCES = ("alm", "le", "lut", "ff", "dsp", "ram_blocks")
 
@@ -44,6 +46,16 @@ def breakdown(tree, flat, top):
     return _Netlist(tree["modules"], flat["modules"][top], top).rows()
 
 
+def totals(rows):
+    """Rows of :func:`breakdown`, each with its figures and those of all instances in it."""
+    def inside(path):
+        return [row for row in rows if not path or row["path"] == path
+                or row["path"].startswith(f"{path}.")]
+    return [row | {name: None if row[name] is None else
+                   round(sum(one[name] for one in inside(row["path"])), 3) for name in RESOURCES}
+            for row in rows]
+
+
 class _Netlist:
     """A flat netlist with the instances that it was made of."""
 
@@ -56,6 +68,7 @@ class _Netlist:
         starts = sorted((int(_LINE.match(module["attributes"]["src"])[1]), name)
                         for name, module in modules.items() if "src" in module["attributes"])
         self.lines, self.at_line = zip(*starts)
+        self.wires = _Wires(modules, self.instances)
         self.named = self._named(modules, flat["netnames"])
         self.readers = defaultdict(list)
         for name, cell in self.cells.items():
@@ -70,12 +83,12 @@ class _Netlist:
                 self.places[name] = self._by_source(name, cell)
         for name in self.cells:
             self._place(name)
-        followed = self._followed()
+        followed = paired(self.cells)
         cyclone_iv = any(cell["type"] in ("dffeas", "cycloneive_lcell_comb")
                          for cell in self.cells.values())
         sums = {path: Counter() for path in self.instances}
         for name, cell in self.cells.items():
-            sums[self.places[name]].update(_amounts(cell, followed))
+            sums[self.places[name]].update(_amounts(name, cell, followed))
         return [{"path": path, "module": self.instances[path],
                  "alm": None if cyclone_iv else one["lut"] / 2,
                  "le": one["le"] if cyclone_iv else None, "lut": one["lut"], "ff": one["ff"],
@@ -83,17 +96,15 @@ class _Netlist:
                 for path, one in sums.items()]
 
     def _named(self, modules, nets):
-        """Paths of the instances that declare a bit and drive it, by bit: the innermost one."""
+        """Path of the instance that drives a bit, by bit, for those with a name of the Verilog."""
         named = {}
         for name, net in nets.items():
             path, _, local = name.rpartition(".")
-            ports = modules.get(self.instances.get(path), {"ports": {}})["ports"]
             known = modules.get(self.instances.get(path), {"netnames": {}})["netnames"]
-            if local not in known or (path and ports.get(local, {}).get("direction") == "input"):
-                continue
-            for bit in net["bits"]:
-                if bit not in named or len(path) > len(named[bit]):
-                    named[bit] = path
+            bits = known.get(local, {"bits": []})["bits"]
+            if len(bits) == len(net["bits"]):
+                named |= {bit: self.wires.driver(path, own) for bit, own in zip(net["bits"], bits)
+                          if bit not in named}
         return named
 
     def _by_source(self, name, cell):
@@ -135,17 +146,42 @@ class _Netlist:
             self.places[stack.pop()] = (Counter(places).most_common(1)[0][0] if places
                                         else self._prefix(name))
 
-    def _followed(self):
-        """Flip-flops of a Cyclone IV in the logic element of the LUT before them."""
-        given = {bit for cell in self.cells.values() if cell["type"] == "cycloneive_lcell_comb"
-                 for bit in cell["connections"]["combout"]}
-        followed = set()
-        for cell in self.cells.values():
-            bits = cell["connections"].get("d", []) if cell["type"] == "dffeas" else []
-            if bits and bits[0] in given:
-                given.discard(bits[0])
-                followed.add(id(cell))
-        return followed
+
+class _Wires:
+    """Finds the instance that drives a bit of a module."""
+
+    def __init__(self, modules, instances):
+        self.modules, self.instances = modules, instances
+        self.inputs = {name: {bit: (port, k) for port, one in module["ports"].items()
+                              if one["direction"] == "input" for k, bit in enumerate(one["bits"])}
+                       for name, module in modules.items()}
+        self.outputs = {name: dict(self._of_instances(module)) for name, module in modules.items()}
+
+    def driver(self, path, bit):
+        """Path of the instance that drives ``bit`` of the one at ``path``, through ports."""
+        while isinstance(bit, int):
+            module = self.instances[path]
+            if bit in self.outputs[module]:
+                name, inner, port, k = self.outputs[module][bit]
+                path = f"{path}.{name}" if path else name
+                bit = self.modules[inner]["ports"][port]["bits"][k]
+            elif path and bit in self.inputs[module]:
+                port, k = self.inputs[module][bit]
+                path, _, name = path.rpartition(".")
+                outer = self.modules[self.instances[path]]
+                bit = outer["cells"][name]["connections"][port][k]
+            else:
+                break
+        return path
+
+    def _of_instances(self, module):
+        """Each bit that an instance in ``module`` drives: its name, its module, port and index."""
+        for name, cell in module["cells"].items():
+            ports = self.modules.get(cell["type"], {"ports": {}})["ports"]
+            for port, one in ports.items():
+                if one["direction"] == "output":
+                    for k, bit in enumerate(cell["connections"].get(port, [])):
+                        yield bit, (name, cell["type"], port, k)
 
 
 def _instances(modules, module, path=""):
@@ -167,9 +203,10 @@ def _is_lut(cell):
     return cell["type"].startswith(_LUT[:2])
 
 
-def _amounts(cell, followed):
-    """What one cell adds to the sums of its instance."""
+def _amounts(name, cell, followed):
+    """What one cell adds to the sums of its instance; ``followed``: names of flip-flops that share
+    the logic element of a LUT."""
     kind = cell["type"]
     lut, ff = kind.startswith(_LUT), kind in _FF
-    return {"lut": int(lut), "ff": int(ff), "le": int(lut or (ff and id(cell) not in followed)),
+    return {"lut": int(lut), "ff": int(ff), "le": int(lut or (ff and name not in followed)),
             "ram_blocks": int(kind in _RAM), "dsp": _DSP.get(kind, 0)}

@@ -18,16 +18,20 @@ from ncdc.toolchain.flows import (
     cyclone_iv,
     cyclone_v,
     ecp5,
+    module_tree,
     plain_netlist,
     tool_versions,
 )
+from ncdc_bench.synth import breakdown
 from ncdc_bench.synth.blocks import ONLY, SPEEDS, component, traits
 from ncdc_hdl.export.verilog import module_verilog
 from ncdc_spec.builds import built, key_of
 
-__all__ = ["SIZES", "TARGETS", "block_rows"]
+__all__ = ["BROKEN_DOWN", "SIZES", "TARGETS", "block_rows", "breakdown_of"]
 
 TARGETS = ("ecp5", "cyclonev", "cycloneiv")
+BROKEN_DOWN = TARGETS[1:]
+"""Targets whose flow ends with the netlist, which :func:`breakdown_of` counts."""
 
 _MULTIPLIER_BITS = {"ecp5": 18, "cyclonev": 27, "cycloneiv": 18}
 _FLOWS = {"ecp5": ecp5, "cyclonev": cyclone_v, "cycloneiv": cyclone_iv}
@@ -102,6 +106,36 @@ def block_rows(block, variant, targets=TARGETS, seeds=1, progress=lambda step: N
                        for name in (*SIZES, *_CLOCKS)}
                     | {"seeds": seeds if target == "ecp5" else None})
     return rows
+
+
+def breakdown_of(block, variant, target, progress=lambda step: None):
+    """Rows of :func:`ncdc_bench.synth.breakdown.breakdown` of a block on a Cyclone, cached.
+
+    Parameters
+    ----------
+    block, variant : str
+        Names in ``ncdc_bench.synth.blocks.BLOCKS``.
+    target : str
+        One of :data:`BROKEN_DOWN`.
+    progress : callable
+        Called with the name of each step.
+
+    Raises
+    ------
+    SynthesisError
+        If a tool fails.
+    """
+    progress(f"{target}: Verilog")
+    verilog = module_verilog(component(block, variant, _MULTIPLIER_BITS[target]), "block")
+    flow = _FLOWS[target]
+
+    def make():
+        netlists = []
+        flow(verilog, "block", progress=progress, found=netlists.append)
+        progress("modules")
+        return breakdown.breakdown(module_tree(verilog), *netlists, "block")
+    return _once(f"breakdown-{target}", [
+        verilog, *map(inspect.getsource, (flow, module_tree, breakdown)), *SCRIPTS[target]], make)
 
 
 def _cyclone(target, verilog, progress):
