@@ -1,21 +1,100 @@
 """Cores that leave something out: the same pixels, and registers that are not there."""
 
+import re
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from cameras import barrel_descriptor
+from drivers import WIDE, compile_c
+from ncdc.cli import main
+from ncdc_hdl.corrector import Corrector
+from ncdc_hdl.export.drivers.drivers import driver_files
 from ncdc_sim.system.corrector import simulate_correction
+from ncdc_spec.errors import InputError
 from ncdc_spec.hardware import Hardware
+from ncdc_spec.registers.register_map import (
+    COUNTERS,
+    FIXED_LENS_BIT,
+    NO_COUNTERS_BIT,
+    NO_FOLLOW_BIT,
+    VIEW_BIT,
+    absent,
+    capabilities,
+)
+
+NOTHING = Hardware(fixed_lens=True, follow=False, counters=False)
 
 
-@pytest.mark.parametrize("hardware", [
-    Hardware(fixed_lens=True, follow=False, counters=False, strip=32)])
-def test_pixels_are_the_same(hardware):
-    d = barrel_descriptor((72, 21), (76, 24), hidden_neurons=3, bayer="GBRG", fill=(200, 100, 50))
-    d = replace(d, nodes=8)
+def simulated(hardware, nodes=1, neurons=3):
+    """A frame of a rough lens, every register written first and those left out read as zero."""
+    d = barrel_descriptor((72, 21), (76, 24), hidden_neurons=neurons, bayer="GBRG",
+                          fill=(200, 100, 50))
+    d = replace(d, nodes=nodes)
     raw = np.random.default_rng(1).integers(0, 256, d.geometry.distorted[::-1], np.uint8)
-    result = simulate_correction(d, raw, hardware, memory="hostile", simulator="icarus")
-    print(result.counters, result.clocks_outside)
-    assert result.differing == []
+    return simulate_correction(d, raw, hardware, memory="hostile", simulator="icarus")
+
+
+@pytest.mark.longer
+@pytest.mark.parametrize("hardware,nodes,neurons", [
+    (replace(NOTHING, strip=32), 8, 3),                         # three neurons in four turns
+    pytest.param(Hardware(fixed_lens=True, output="stream", lanes=2), 1, 2,
+                 marks=pytest.mark.regress),
+    pytest.param(Hardware(fixed_lens=True, share=2, hidden="raster", format="BGR8"), 1, 3,
+                 marks=pytest.mark.regress),
+    pytest.param(Hardware(follow=False, counters=False), 1, 2, marks=pytest.mark.regress)])
+def test_pixels_are_the_same(hardware, nodes, neurons):
+    result = simulated(hardware, nodes, neurons)
+    assert result.differing == [] and result.bytes_outside == 0
+    assert result.blank.any() and not result.blank.all()
+    assert any(result.counters.values()) == hardware.counters
+
+
+def test_a_constant_lens_keeps_its_words_out_of_memories():
+    shared = Hardware(share=2)
+    assert shared.in_memory("output") and not replace(shared, fixed_lens=True).in_memory("output")
+    ports = Corrector(WIDE, replace(shared, fixed_lens=True)).registers.signature.members
+    assert not {"writes", "valid_table"} & set(ports)
+
+
+def test_capabilities_name_what_is_absent():
+    bits = FIXED_LENS_BIT | NO_FOLLOW_BIT | NO_COUNTERS_BIT
+    hardware = NOTHING.made_for(WIDE)
+    assert capabilities(hardware, 64, 48)["CAPABILITIES"] & (bits | VIEW_BIT) == bits
+    assert not capabilities(Hardware().made_for(WIDE), 64, 48)["CAPABILITIES"] & bits
+    table = Corrector(WIDE, NOTHING).registers.table
+    gone = absent(table, NOTHING)
+    assert {"FOLLOW", "HIDDEN0_BIAS", "VALID_WINDOW", "CLOCKS", "OUTPUT_FORMAT"} <= gone
+    assert not {"SOURCE_BASE", "TARGET_LIMIT", "FRAMES", "STATUS", "DIGEST"} & gone
+    assert not absent(table, Hardware())
+
+
+def test_drivers_do_not_name_what_is_absent(tmp_path):
+    files = driver_files(Corrector(WIDE, NOTHING), [("wide.toml", WIDE)])
+    for name, text in files.items():
+        (tmp_path / name).write_text(text)
+    compile_c(tmp_path, "-c", "ncdc.c", "ncdc_lenses.c")
+    for name in ("ncdc_registers.h", "ncdc_registers.py", "ncdc_console_data.tcl", "ncdc.rdl"):
+        assert not set(COUNTERS) & set(re.findall(r"\w+", files[name].replace("NCDC_", " "))), name
+    assert "VALID_ROWS" not in files["ncdc.rdl"] and "HIDDEN0_BIAS" not in files["ncdc.rdl"]
+
+
+def test_a_fixed_lens_has_no_view():
+    with pytest.raises(InputError, match="fixed lens, a view needs registers"):
+        Hardware(fixed_lens=True, view=True)
+
+
+@pytest.mark.parametrize("options,sentence", [
+    (["--no-follow", "--system"], "--no-follow and --system are given, only a corrector alone"),
+    (["--no-counters", "--board", "faka2"], "--no-counters and --board are given"),
+    (["--fixed-lens", "--lens", "NET"], "no other lens can be loaded"),
+    (["--fixed-lens", "--view"], "fixed lens, a view needs registers")])
+def test_generate_rejects_what_needs_the_missing_part(tmp_path, capsys, options, sentence):
+    net = tmp_path / "net.toml"
+    replace(barrel_descriptor((40, 24), (50, 34)), nodes=8).save(net)
+    options = [str(net) if option == "NET" else option for option in options]
+    assert main(["generate", str(net), "-o", str(tmp_path / "out"), *options]) == 2
+    said = capsys.readouterr().err
+    assert sentence in said and "Traceback" not in said
+    assert not (tmp_path / "out").exists()
