@@ -39,9 +39,10 @@ class ViewTransform(wiring.Component):
     Equal bit for bit to ``ncdc_model.golden.view.node_positions``, except for what does not fit.
 
     Both axes take turns in one pipeline, x a clock ahead of y: shift like the depth, product with
-    the depth's reciprocal, product with the scan's step. Timing: free-running, ``latency`` clocks
-    from ``i_issue`` to ``issue``. The positions are there ``latency - early`` clocks after
-    ``i_issue``, for a clock.
+    the depth's reciprocal, product with the scan's step. What comes from the :class:`NodeScan` is
+    registered first, since ``i_issue`` is decided late in its clock and moves all words of the
+    sums. Timing: free-running, ``latency`` clocks from ``i_issue`` to ``issue``. The positions are
+    there ``latency - early`` clocks after ``i_issue``, for a clock.
 
     Parameters
     ----------
@@ -89,8 +90,8 @@ class ViewTransform(wiring.Component):
 
     @property
     def _moved(self):
-        """Clocks from the issue to the sums with those of the table: these, a sum."""
-        return self.matrices.latency + 1 if self.matrices else 0
+        """Clocks from the issue to the sums with those of the table: its register, these, a sum."""
+        return 1 + (self.matrices.latency + 1 if self.matrices else 0)
 
     @property
     def _divided(self):
@@ -111,8 +112,9 @@ class ViewTransform(wiring.Component):
         m = Module()
         m.submodules.scan, m.submodules.reciprocal = scan, reciprocal = self.scan, self.reciprocal
         m.d.comb += [
-            scan.start.eq(self.start), scan.view.eq(self.view), scan.edges.eq(self.edges),
-            scan.issue.eq(self.i_issue),
+            scan.start.eq(self.start), scan.view.eq(self.view),
+            Value.cast(scan.edges).eq(register(m, "edges_entered", Value.cast(self.edges))),
+            scan.issue.eq(register(m, "issue_entered", self.i_issue, reset_less=False)),
         ]
         total = self._move(m) if self.matrices else scan.o
         m.d.comb += [reciprocal.z.eq(total), reciprocal.valid.eq(delay(
@@ -139,9 +141,12 @@ class ViewTransform(wiring.Component):
         m.submodules.sums = sums = DelayMemory(signed(SUM_BITS), matrices.latency)
         used = register(m, "rows_used", self.rows.count != 0)
         m.d.comb += [
-            self.scan.again.eq(self.again), matrices.issue.eq(self.i_issue),
-            matrices.number.eq(self.number), matrices.line.eq(self.line),
-            matrices.row.eq(self.raw_row), matrices.rows.eq(self.rows), sums.i.eq(self.scan.o),
+            self.scan.again.eq(register(m, "again_entered", self.again)),
+            matrices.issue.eq(self.scan.issue),
+            matrices.number.eq(register(m, "number_entered", self.number)),
+            matrices.line.eq(register(m, "line_entered", self.line)),
+            matrices.row.eq(register(m, "raw_row_entered", self.raw_row)),
+            matrices.rows.eq(self.rows), sums.i.eq(self.scan.o),
         ]
         return register(m, "moved", sums.o + (Mux(used, matrices.o, 0) << ROW_SHIFT),
                         signed(SUM_BITS))
