@@ -110,9 +110,9 @@ def _fixed(**options):
     return _core(8, "table", _NODES, 8 << 10, output="memory", strip=128, **options)
 
 
-def _four_lanes(variant, interpolation=FAST):
+def _four_lanes(variant, interpolation=FAST, cache_bytes=_CACHE.bytes):
     """Four pixels per clock, for which the memory's port must be wide."""
-    return _core(16, variant, _NODES, interpolation=interpolation, lanes=4, data_width=128)
+    return _core(16, variant, _NODES, cache_bytes, interpolation, lanes=4, data_width=128)
 
 
 def _board(name):
@@ -185,7 +185,7 @@ BLOCKS = {
                                                        interpolation=DIRECTIONAL),
              "HN 16, nodes, 4 lanes": _four_lanes("mmhbc"),
              "HN 16, nodes, 4 lanes, table": _four_lanes("table"),
-             "HN 16, nodes, 4 lanes, table, gradient": _four_lanes("table", GRADIENT)},
+             "HN 16, nodes, 4 lanes, table, gradient": _four_lanes("table", GRADIENT, 64 << 10)},
     "board": {"DE0-CV, HN 8": _board("de0-cv"), "DE2-115, HN 8": _board("de2-115")},
 }
 ONLY = {"DE0-CV, HN 8": "cyclonev", "DE2-115, HN 8": "cycloneiv"}

@@ -82,10 +82,10 @@ class Boxes(wiring.Component):
     def _single(self, m, ready):
         """The group at hand, whether there is one, and the box of each of its lanes."""
         needs = self.interpolation
-        layout = data.StructLayout(dict.fromkeys(_EDGES, range(MAX_SIZE)) | {"used": 1, "fits": 1})
+        layout = data.StructLayout(dict.fromkeys(_EDGES, range(MAX_SIZE)) | {"used": 1})
         boxes = [Signal(layout) for _ in range(self.lanes)]
         for lane, box in zip(lanes_of(self.i.p), boxes):
-            m.d.comb += [box.used.eq(~lane.blank), box.fits.eq(1)]
+            m.d.comb += box.used.eq(~lane.blank)
             for axis in "xy":
                 low, high = lane[f"{axis}0"] - needs.margin, lane[f"{axis}0"] + needs.after
                 if needs.margin:
@@ -107,17 +107,16 @@ class Boxes(wiring.Component):
 
     def _parts(self, m, group, valid, boxes, taken):
         """Several lanes: a tree of boxes with a level per stage, output part by part."""
-        edges = boxes[0].shape()
-        # Level 0: the lanes themselves. All levels of a group move on together.
+        # Level 0: the lanes themselves, which always fit. All levels of a group move on together.
         tree = [boxes]
         last_ready = Signal()
         m.d.comb += taken.eq(last_ready)
         for level in range(1, ceil_log2(self.lanes) + 1):
-            joined = [self._join(m, edges, left, right)
+            joined = [self._join(m, left, right)
                       for left, right in zip(tree[-1][::2], tree[-1][1::2])]
             stage_valid = Signal(name=f"valid{level}")
             stage_group = Signal.like(group, name=f"group{level}")
-            stage = [[Signal(edges, name=f"box{level}_{k}_{n}") for n in range(len(boxes))]
+            stage = [[Signal.like(box, name=f"box{level}_{k}_{n}") for n, box in enumerate(boxes)]
                      for k, boxes in enumerate([*tree, joined])]
             with m.If(last_ready):
                 m.d.sync += [stage_valid.eq(valid), stage_group.eq(group)]
@@ -127,40 +126,54 @@ class Boxes(wiring.Component):
 
         # The largest part of the tree that fits and begins at the current lane.
         at = Signal(range(self.lanes))          # the current lane
-        part = Signal(edges)                    # the largest box that fits and begins there
+        part = Signal.like(boxes[0])            # the largest box that fits and begins there
         size = Signal(range(self.lanes + 1))    # its lanes
         mask = Signal(self.lanes)               # its lanes, a bit each
         end = Signal()                          # it is the group's last box
         for level, boxes in enumerate(tree):
             for k, box in enumerate(boxes):
-                with m.If((at == k << level) & box.fits):
-                    m.d.comb += [part.eq(box), size.eq(1 << level),
+                with m.If((at == k << level) & (box.fits if level else 1)):
+                    m.d.comb += [*(part[name].eq(box[name]) for name in (*_EDGES, "used")),
+                                 size.eq(1 << level),
                                  mask.eq(((1 << (1 << level)) - 1) << (k << level))]
         free = ~self.o.valid | self.o.ready
         m.d.comb += [end.eq(at + size == self.lanes), last_ready.eq(~valid | (free & end))]
         with m.If(free):
             m.d.sync += [
-                self.o.valid.eq(valid), *(self.o.p[name].eq(part[name]) for name in
-                                          ("x0", "y0", "x1", "y1", "used")),
+                self.o.valid.eq(valid),
+                *(self.o.p[name].eq(part[name]) for name in (*_EDGES, "used")),
                 self.o.p.mask.eq(mask), self.o.p.end.eq(end), self.o.p.group.eq(group)]
             with m.If(valid):
                 m.d.sync += at.eq(Mux(end, 0, at + size))
 
-    def _join(self, m, edges, a, b):
-        """The box around two boxes."""
+    def _join(self, m, a, b):
+        """The box around two boxes.
+
+        Whether it fits is found from the edges of both, not from those that are chosen: two
+        comparisons in turn would be the longest path of a core with several lanes.
+        """
         both = Signal()         # both boxes are used
-        box = Signal(edges)     # the box around those that are used
+        box = Signal(data.StructLayout(
+            dict.fromkeys(_EDGES, range(MAX_SIZE)) | {"used": 1, "fits": 1}))
         m.d.comb += [both.eq(a.used & b.used), box.used.eq(a.used | b.used)]
-        needs = self.interpolation
         for name, chooses_b in (("x0", b.x0 < a.x0), ("y0", b.y0 < a.y0), ("x1", b.x1 > a.x1),
                                 ("y1", b.y1 > a.y1)):
             m.d.comb += box[name].eq(Mux(Mux(both, chooses_b, b.used), b[name], a[name]))
-        word = exact_log2(needs.box_word(self.lanes))
-        across = box.x1[word:] - box.x0[word:]
-        fits = (across <= 1) & (box.y1 - box.y0 < needs.box_rows)
-        if (needs.tile_rows - 1) * needs.tile_height + 1 < needs.box_rows:
-            # Even so few rows may touch more rows of tiles than a look-up takes.
-            low = ceil_log2(needs.tile_height)
-            fits &= box.y1[low:] - box.y0[low:] < needs.tile_rows
-        m.d.comb += box.fits.eq(~box.used | fits)
+        fits = ~both | (self._near(a, b) & self._near(b, a))
+        if "fits" in a.shape().members:
+            fits &= a.fits & b.fits
+        m.d.comb += box.fits.eq(fits)
         return box
+
+    def _near(self, a, b):
+        """Whether the last sample of ``b`` is not too far after the first one of ``a``.
+
+        A box of several rows of tiles is limited by their number, else by its rows.
+        """
+        needs = self.interpolation
+        word = exact_log2(needs.box_word(self.lanes))
+        height, rows = needs.tile_height, needs.tile_rows
+        low, limit = 0, needs.box_rows
+        if rows * height <= limit:
+            low, limit = exact_log2(height), rows
+        return (b.x1[word:] - a.x0[word:] <= 1) & (b.y1[low:] - a.y0[low:] < limit)

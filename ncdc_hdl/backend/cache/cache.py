@@ -16,6 +16,7 @@ from ncdc_hdl.backend.layouts import request_layout, window_layout
 from ncdc_hdl.frontend.layouts import SIZE
 from ncdc_hdl.lib.credits import Credited
 from ncdc_hdl.lib.gains import BALANCE, NO_BALANCE
+from ncdc_hdl.lib.relay import Relay
 from ncdc_spec.cache_options import CacheOptions
 
 __all__ = ["Cache"]
@@ -80,6 +81,8 @@ class Cache(wiring.Component):
         self.f_bits, self.data_width, self.options, self.lanes = f_bits, data_width, options, lanes
         needs = options.interpolation
         width = word_bytes(data_width, lanes, needs)
+        # The tag stage's stalls end here, and not in the stages that compute the windows.
+        self.entry = Relay(request_layout(f_bits, lanes, needs))
         self.boxes = Boxes(f_bits, lanes, needs)
         self.locate = Locate(f_bits, options, lanes)
         self.tags = Tags(f_bits, options, lanes)
@@ -101,7 +104,8 @@ class Cache(wiring.Component):
     @property
     def start_latency(self):
         """Clocks from a group at ``i`` to its first look-up in the act stage."""
-        return self.boxes.latency + self.locate.latency + self.tags.latency
+        return (self.entry.latency + self.boxes.latency + self.locate.latency
+                + self.tags.latency)
 
     @property
     def window_latency(self):
@@ -110,11 +114,12 @@ class Cache(wiring.Component):
 
     def elaborate(self, platform):
         m = Module()
-        for name in ("boxes", "locate", "tags", "fills", "tiles", "retire"):
+        for name in ("entry", "boxes", "locate", "tags", "fills", "tiles", "retire"):
             m.submodules[name] = getattr(self, name)
         locate, tags, fills, tiles, retire = (self.locate, self.tags, self.fills, self.tiles,
                                               self.retire)
-        wiring.connect(m, wiring.flipped(self.i), self.boxes.i)
+        wiring.connect(m, wiring.flipped(self.i), self.entry.i)
+        wiring.connect(m, self.entry.o, self.boxes.i)
         wiring.connect(m, self.boxes.o, locate.i)
         wiring.connect(m, locate.o, tags.i)
         wiring.connect(m, retire.o, wiring.flipped(self.o))
