@@ -114,6 +114,8 @@ class Capture(wiring.Component):
         if self.faults_layout:
             m.submodules.faults = faults = FaultCounters(self.faults_layout)
             m.d.comb += [faults.faults.eq(side.faults), self.faults.eq(faults.counts)]
+        # A register, as what is urgent decides in the same clock who has the memory's port.
+        m.d.sync += self.half_full.eq(queue.r_level >= self.depth // 2)
         forward(m, self.side.outside, self.camera, side.camera)
         connect(m, relay.o, writer.i)
         connect(m, writer.o, words.i)
@@ -126,7 +128,7 @@ class Capture(wiring.Component):
             side.space.eq(entries.i.ready), entries.o.ready.eq(queue.w_rdy),
             queue.w_data.eq(entries.o.payload), queue.w_en.eq(entries.o.valid),
             relay.i.payload.eq(queue.r_data), relay.i.valid.eq(queue.r_rdy),
-            queue.r_en.eq(relay.i.ready), self.half_full.eq(queue.r_level >= self.depth // 2),
+            queue.r_en.eq(relay.i.ready),
             writer.area.eq(self.area), writer.limit.eq(self.limit),
             writer.done.eq(bursts.done), writer.failed.eq(bursts.failed),
             bursts.memory_rst.eq(self.memory_rst),

@@ -85,7 +85,7 @@ class SensorPort(wiring.Component):
             now, sample, shown, row_end = self._even(m, now)
             # A frame whose first samples came before `enable`, when settings could change, is
             # ignored.
-            enable &= delay(m, enable, Grid.latency + 2 + Level.latency, "enable",
+            enable &= delay(m, enable, Grid.latency + 1 + Level.latency, "enable",
                             reset_less=False)
         else:
             sample, shown, row_end = self.i.sample, now["valid"], now["last"]
@@ -97,9 +97,11 @@ class SensorPort(wiring.Component):
         # With more samples per clock an entry may be complete with a frame's first ones: its
         # beginning comes a clock earlier.
         early = int(self.count > 1)
-        later |= {name: delay(m, now[name], 1 + Level.latency - (early if name == "begins" else 0),
-                              name, reset_less=False)
-                  for name in ("begins", "lost", "end", "bad")}
+        later |= {name: delay(m, now[name], 1 + Level.latency, name, reset_less=False)
+                  for name in ("lost", "end", "bad")}
+        # Whether a frame counts is found a clock before: it decides about its first samples.
+        begins = delay(m, now["begins"], Level.latency - early, "begins", reset_less=False)
+        later["begins"] = register(m, "enabled_begins", begins & enable, reset_less=False)
         if self.row is not None:
             # Position in the binned frame.
             group, y = (Mux(self.grid.binning, Cat(value[0] & value[1], value[2:]), value)
@@ -217,8 +219,8 @@ class SensorPort(wiring.Component):
         m.submodules.packer = packer = EntryPacker(self.count)
         going = capturing & ~full
         m.d.comb += [
-            begin.eq(now["begins"] & enable & ~capturing & ~owed & self.space),
-            self.active.eq(self.enable | capturing | owed),
+            begin.eq(now["begins"] & ~capturing & ~owed & self.space),
+            self.active.eq(self.enable | now["begins"] | capturing | owed),
             packer.data.eq(Cat(levelled)), packer.clear.eq(begin), packer.taken.eq(self.space),
             packer.turn.eq(self.settings.left[:exact_log2(self.count)]),
             # The first sample may come in the clock in which the frame begins.
@@ -247,7 +249,7 @@ class SensorPort(wiring.Component):
             m.d.sync += [capturing.eq(1), full.eq(0)]
         with m.If(capturing | begin):
             m.d.sync += lines.eq(counted)
-        with m.If((now["begins"] & ~begin | now["lost"]) & enable):
+        with m.If(now["begins"] & ~begin | now["lost"] & enable):
             m.d.sync += missed.eq(missed + 1)
         # With more samples per clock an end in the clock of a beginning is the former frame's.
         with m.If((now["end"] | now["lost"]) & (capturing | (begin if self.count == 1 else 0))):
