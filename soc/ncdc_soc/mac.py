@@ -4,10 +4,10 @@ from liteeth.common import eth_phy_description
 from liteeth.mac.core import LiteEthMACCore
 from liteeth.mac.wishbone import LiteEthMACWishboneInterface
 from liteeth.phy.model import LiteEthPHYModel
-from litex.gen import LiteXModule
+from litex.gen import ClockDomainsRenamer, LiteXModule
 from litex.soc.interconnect import packet, stream
 
-__all__ = ["SLOT_BYTES", "Mac", "ModelPhy"]
+__all__ = ["SLOT_BYTES", "Mac", "ModelPhy", "mac_core"]
 
 SLOT_BYTES = 2048       # of the processor's memory for one frame
 _WIDTH = 32
@@ -21,6 +21,17 @@ class ModelPhy(LiteEthPHYModel):
         super().__init__(pads)
         # Without it LiteEth's MAC checks no check sequence.
         self.comb += self.source.last_be.eq(self.source.last)
+
+
+def mac_core(phy, in_words=False):
+    """LiteEth's MAC with streams of 32 bits; ``phy`` and ``in_words`` as of :class:`Mac`."""
+    core = LiteEthMACCore(phy, _WIDTH, with_sys_datapath=in_words, tx_cdc_buffered=in_words)
+    if in_words:
+        # Between the conversion to bytes and the end of frames, through both of which ``ready``
+        # would go in one clock.
+        core.tx_datapath.pipeline.insert(-2, ClockDomainsRenamer("eth_tx")(stream.Buffer(
+            eth_phy_description(phy.dw), pipe_valid=True, pipe_ready=True)))
+    return core
 
 
 class Mac(LiteXModule):
@@ -48,10 +59,10 @@ class Mac(LiteXModule):
     """
 
     def __init__(self, phy, slots=4, in_words=False):
-        self.core = core = LiteEthMACCore(phy, _WIDTH, with_sys_datapath=in_words, tx_cdc_depth=32,
-                                          rx_cdc_depth=32, tx_cdc_buffered=in_words)
+        self.core = core = mac_core(phy, in_words)
         self.interface = interface = LiteEthMACWishboneInterface(
-            _WIDTH, nrxslots=slots, ntxslots=2, endianness="little")
+            _WIDTH, nrxslots=slots, ntxslots=2, endianness="little",
+            txslots_write_only=True)    # read by the MAC alone: one block RAM a slot, not two
         self.frames = stream.Endpoint(eth_phy_description(_WIDTH))
         self.arbiter = packet.Arbiter([interface.source, self.frames], core.sink)
         self.comb += core.source.connect(interface.sink)

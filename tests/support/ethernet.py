@@ -2,7 +2,6 @@
 
 import functools
 
-from liteeth.mac.core import LiteEthMACCore
 from litex.build.altera import AlteraPlatform
 from litex.build.generic_platform import Pins, Subsignal
 from litex.build.lattice import LatticeECP5Platform
@@ -13,6 +12,7 @@ from cocotb_run import Design
 from ncdc_hdl.export.verilog import module_verilog
 from ncdc_hdl.link.packetiser import Packetiser
 from ncdc_sim.runner import hdl_text
+from ncdc_soc.mac import mac_core
 from ncdc_soc.phy import GmiiPhy, MiiPhy, RgmiiPhy
 from ncdc_soc.verilog import litex_verilog
 from simulations import HDL
@@ -66,8 +66,7 @@ class _Mac(LiteXModule):
             self.phy = phy = GmiiPhy(clocks, wires, clock.transmit)
         else:
             self.phy = phy = MiiPhy(clocks, wires)
-        self.core = core = LiteEthMACCore(phy, 32, with_sys_datapath=in_words,
-                                          tx_cdc_buffered=in_words)
+        self.core = core = mac_core(phy, in_words)
         sink, source = platform.request("sink"), platform.request("source")
         for name in _STREAM:
             into, out = getattr(core.sink, name), getattr(core.source, name)

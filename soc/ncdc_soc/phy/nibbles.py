@@ -47,39 +47,46 @@ class Sender(LiteXModule):
         self.enable, self.error = Signal(), Signal()
         self.clock = Signal(2)
 
-        elapsed = Signal(6)           # clocks of this step that are over
+        elapsed = Signal(6)         # clocks of this step that are over
+        step_ends = Signal()        # this step ends with this clock
         second = Signal()           # it is the high nibble's
         rest = Signal(4)            # that nibble
         inside = Signal()           # the frame's last byte was not taken
         gap = Signal(max=eth_interpacket_gap + 1)       # bytes' times that stay idle
+        free = Signal(reset=1)      # none does: gap == 0
         # A product would be cut to six bits in the Verilog, and in there alone.
         twice = Cat(0, elapsed)
-        step_ends, byte_ends = Signal(), Signal()
+        byte_ends = Signal()
         self.comb += [
-            step_ends.eq(elapsed == self.clocks),
             byte_ends.eq(step_ends & (self.whole | second)),
-            sink.ready.eq(byte_ends & (gap == 0)),
+            sink.ready.eq(byte_ends & free),
             self.clock.eq(Cat(twice <= self.clocks, twice < self.clocks)),
         ]
+        # What ends, and whether a byte may come, are registers, so that ``ready`` comes early in
+        # its clock.
         self.sync += [
             If(step_ends,
                elapsed.eq(0),
+               step_ends.eq(self.clocks == 0),
                second.eq(~self.whole & ~second),
                self.low.eq(rest),
                self.high.eq(rest)
-               ).Else(elapsed.eq(elapsed + 1)),
+               ).Else(
+                   elapsed.eq(elapsed + 1),
+                   step_ends.eq(elapsed + 1 >= self.clocks)),
             If(byte_ends,
                self.low.eq(sink.data[:4]),
                self.high.eq(Mux(self.whole, sink.data[4:], sink.data[:4])),
                rest.eq(sink.data[4:]),
                self.error.eq(0),
-               If(gap != 0,
+               If(~free,
                   gap.eq(gap - 1),
+                  free.eq(gap == 1),
                   self.enable.eq(0)
                   ).Elif(sink.valid,
                          self.enable.eq(1),
                          inside.eq(~sink.last),
-                         If(sink.last, gap.eq(eth_interpacket_gap))
+                         If(sink.last, gap.eq(eth_interpacket_gap), free.eq(0))
                          ).Else(self.enable.eq(inside), self.error.eq(inside))),
         ]
 

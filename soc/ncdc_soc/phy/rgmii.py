@@ -6,7 +6,7 @@ from litex.build.io import DDRInput, DDROutput
 from litex.gen import ClockDomainsRenamer, LiteXModule
 from litex.soc.interconnect import stream
 from litex.soc.interconnect.csr import CSRField, CSRStatus, CSRStorage
-from migen import Array, Cat, ClockDomain, ClockSignal, If, Signal
+from migen import Array, ClockDomain, ClockSignal, If, Signal
 from migen.genlib.cdc import MultiReg
 
 from ncdc_soc.phy.clocks import RESET_CLOCKS, PhyClocks
@@ -82,33 +82,30 @@ class RgmiiPhy(LiteXModule):
         steps = [_MHZ * (8 if mbits == 1000 else 4) // mbits for mbits in SPEEDS]
         self.sync.eth_tx += [sender.whole.eq(speed[1]),
                              sender.clocks.eq(Array([*(step - 1 for step in steps), 0])[speed])]
-        low, high, valid, second = sender.low, sender.high, sender.enable, Signal()
-        clock, clock_domain = sender.clock, ClockSignal("eth_tx")
-        self.comb += second.eq(sender.enable ^ sender.error)
+        # Registers that may lie near the pins, with no logic after them.
+        low, high, valid, second = Signal(4), Signal(4), Signal(), Signal()
+        clock, clock_domain = Signal(2), ClockSignal("eth_tx")
+        self.sync.eth_tx += [
+            low.eq(sender.low), high.eq(sender.high), valid.eq(sender.enable),
+            second.eq(sender.enable ^ sender.error), clock.eq(sender.clock)]
         if late is not None:
-            low, high, valid, second, clock = self._step_to_late(
-                low, high, valid, second, clock)
-            clock_domain = late
+            clock, clock_domain = self._step_to_late(clock), late
         self.specials += [DDROutput(low[k], high[k], pads.tx_data[k], ClockSignal("eth_tx"))
                           for k in range(4)]
         self.specials += [DDROutput(valid, second, pads.tx_ctl, ClockSignal("eth_tx")),
                           DDROutput(clock[0], clock[1], clock_pads.tx, clock_domain)]
 
-    def _step_to_late(self, low, high, valid, second, clock):
-        """The same five signals for output cells of which the clock's is 2 ns late.
+    def _step_to_late(self, clock):
+        """The clock's bits for an output cell that is 2 ns late.
 
-        The clock's bits are made by logic. From a register they go to one of the falling edge, half
-        a period later (4 ns), and from there to the late cell (6 ns). No step is shorter, and only
-        the first one has logic before it. The data have a register too, so that the clock's edges
-        stay 2 ns after theirs.
+        From their register they go to one of the falling edge, half a period later (4 ns), and
+        from there to the late cell (6 ns). No step is shorter, and none has logic.
         """
         self.cd_eth_falling = ClockDomain(reset_less=True)
         self.comb += self.cd_eth_falling.clk.eq(~ClockSignal("eth_tx"))
-        data = Cat(low, high, valid, second)
-        sent, made, stepped = Signal(len(data)), Signal(2), Signal(2)
-        self.sync.eth_tx += [sent.eq(data), made.eq(clock)]
-        self.sync.eth_falling += stepped.eq(made)
-        return sent[:4], sent[4:8], sent[8], sent[9], stepped
+        stepped = Signal(2)
+        self.sync.eth_falling += stepped.eq(clock)
+        return stepped
 
     def _receive(self, pads, paired):
         receiver, speed = self.receiver, Signal(2)
