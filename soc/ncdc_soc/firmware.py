@@ -57,9 +57,9 @@ SOURCES = ("start.S", "main.c", "net.c", "table.c", "gvcp.c", "gvcp_control.c", 
            "sensor.c", "eeprom.c", "interrupt.c", "phy.c", "mdio.c", "ip.c", "eth.c", "uart.c",
            "memory.c")
 # Of these what answers GVCP has no part that takes long.
-_SLOW = ("main.c", "gvcp_write.c", "auto.c", "words.c", "view_matrix.c", "eeprom.c", "phy.c",
-         "mdio.c", "uart.c")
-_OPTIONS = ("-march=rv32im", "-mabi=ilp32", "-ffunction-sections", "-fdata-sections",
+_SLOW = ("main.c", "table.c", "mraw.c", "gvcp_write.c", "auto.c", "words.c", "view_matrix.c",
+         "sensor.c", "eeprom.c", "phy.c", "mdio.c", "uart.c")
+_OPTIONS = ("-mabi=ilp32", "-ffunction-sections", "-fdata-sections",
             "-ffreestanding", "-fbuiltin", "-fno-tree-loop-distribute-patterns",
             "-std=c11", "-Wall", "-Wextra", "-Werror", "-nostartfiles", f"--specs={_SPECS}",
             "-Wl,--gc-sections")
@@ -447,17 +447,19 @@ def firmware_image(text, soc, folder):
     symbols = [f"-Wl,--defsym={name.upper()}_{what}={value:#x}" for name in ("rom", "sram")
               for what, value in zip(("BASE", "BYTES"), soc.memories[name])]
     lwip = lwip_source()
+    options = [f"-march=rv32im{'ac' * soc.compressed}", *_OPTIONS]
     # lwIP's headers are third-party code, whose warnings are ignored.
     headers = [f"-I{folder}", f"-I{FIRMWARE}", f"-I{FIRMWARE / 'lwip_port'}",
                f"-I{DRIVER[0].parent}", "-isystem", str(lwip / "include")]
     fast = [FIRMWARE / name for name in SOURCES if name not in _SLOW]
     slow = [*(FIRMWARE / name for name in _SLOW), *DRIVER]
-    for name, options, sources in (("fast", _FAST, fast), ("slow", _SMALL, slow),
+    for name, optimisation, sources in (("fast", _FAST, fast), ("slow", _SMALL, slow),
                                    ("lwip", _SMALL, [lwip / name for name in FILES])):
         (folder / name).mkdir(exist_ok=True)
-        _run([_COMPILER, *options, *_OPTIONS, *headers, "-c", *map(str, sources)], folder / name)
+        _run([_COMPILER, *optimisation, *options, *headers, "-c", *map(str, sources)],
+             folder / name)
     objects = sorted(map(str, folder.glob("*/*.o")))
-    _run([_COMPILER, *_OPTIONS, f"-T{FIRMWARE / 'link.ld'}", *symbols, *objects, "-o",
+    _run([_COMPILER, *options, f"-T{FIRMWARE / 'link.ld'}", *symbols, *objects, "-o",
           str(folder / "firmware.elf")])
     binary = folder / "firmware.bin"
     _run(["riscv64-unknown-elf-objcopy", "-O", "binary", str(folder / "firmware.elf"),

@@ -13,13 +13,14 @@ from ncdc_boards.camera_board.board import EthernetChip
 from ncdc_hdl.link.processor import ADDRESS_BITS, FRAMES_BITS
 from ncdc_soc.mac import SLOT_BYTES, Mac
 
-__all__ = ["MAP", "Processor", "ProcessorVerilog", "described"]
+__all__ = ["MAP", "SRAM_BYTES", "Processor", "ProcessorVerilog", "described"]
 
 MAP = {"rom": 0x0000_0000, "sram": 0x1000_0000, "ncdc": 0x9000_0000, "ethmac_rx": 0x9010_0000,
        "ethmac_tx": 0x9011_0000, "frames": 0xA000_0000, "csr": 0xF000_0000}
 """Byte addresses of what the processor sees."""
 
-_SRAM_BYTES = 0x10000
+SRAM_BYTES = 0x10000
+"""Memory of the processor by default."""
 _RX_SLOTS, _TX_SLOTS = 4, 2
 _WATCHDOG_DELAY = 1             # clocks from its end to the reset; its timer does not support 0
 
@@ -43,6 +44,8 @@ class ProcessorVerilog:
     clock_hz : int
     chip : EthernetChip or None
         At its pins; None: there are none.
+    compressed : bool
+        It has compressed instructions.
     """
     text: str
     core: str
@@ -51,6 +54,7 @@ class ProcessorVerilog:
     interrupt: int
     clock_hz: int
     chip: EthernetChip | None = None
+    compressed: bool = False
 
 
 class _Interrupt(LiteXModule):
@@ -71,13 +75,15 @@ class Processor(SoCCore):
     clock_hz : int
     phy : LiteX PHY
         PHY of the MAC.
-    rom_bytes : int
+    rom_bytes, sram_bytes : int
     uart : str
         As LiteX names it; "stub": none.
     clocks : LiteXModule
         With the domain ``sys`` and a signal ``rst``, of the watchdog.
     in_words : bool
         Parameter of :class:`Mac`.
+    compressed : bool
+        With compressed instructions, for a smaller ROM; a larger processor.
 
     Attributes
     ----------
@@ -89,11 +95,12 @@ class Processor(SoCCore):
     mem_map = {**SoCCore.mem_map, **MAP}
 
     def __init__(self, platform, clock_hz, phy, *, rom_bytes, uart, clocks,
-                 in_words=False):
+                 sram_bytes=SRAM_BYTES, in_words=False, compressed=False):
         SoCCore.__init__(
-            self, platform, clock_hz, cpu_type="vexriscv", cpu_variant="standard",
+            self, platform, clock_hz, cpu_type="vexriscv",
+            cpu_variant="imac" if compressed else "standard",
             integrated_rom_size=rom_bytes, integrated_rom_init=[0],
-            integrated_sram_size=_SRAM_BYTES, uart_name=uart, ident="",
+            integrated_sram_size=sram_bytes, uart_name=uart, ident="",
             with_timer=True,
             # The caches read eight words at a time: of ROM and SRAM one in a clock that way.
             bus_bursting=True)
@@ -143,7 +150,7 @@ def described(soc, platform, text, chip=None):
                  for offset, csr in _located(region.obj)}
     memories = {name: (region.origin, region.size) for name, region in soc.bus.regions.items()}
     return ProcessorVerilog(text, core, registers, memories, soc.irq.locs["system"],
-                            int(soc.sys_clk_freq), chip)
+                            int(soc.sys_clk_freq), chip, soc.cpu.variant == "imac")
 
 
 def _located(csrs):

@@ -2,6 +2,7 @@
 
 import re
 import subprocess
+from dataclasses import replace
 
 import pytest
 
@@ -52,8 +53,21 @@ def test_it_fits(soc, tmp_path):
     need("riscv64-unknown-elf-gcc")
     verilog, text = soc
     words, code, ram = firmware_image(text, verilog, tmp_path)
-    assert 0 < 4 * len(words) <= ROM_BYTES and 0 < code <= ROM_BYTES
+    assert 0 < 4 * len(words) <= ROM_BYTES[False] and 0 < code <= ROM_BYTES[False]
     assert 0 < ram <= _RAM_BYTES
+
+
+@pytest.mark.longer
+def test_it_is_a_fifth_smaller_with_compressed_instructions(soc, tmp_path):
+    need("riscv64-unknown-elf-gcc")
+    verilog, text = soc
+    for compressed in (False, True):
+        (tmp_path / str(compressed)).mkdir()
+    plain, small = (
+        firmware_image(text, replace(verilog, compressed=compressed), tmp_path / str(compressed))
+        for compressed in (False, True))
+    assert small[1] < .8 * plain[1] and small[2] == plain[2]
+    assert 0 < 4 * len(small[0]) <= ROM_BYTES[True]
 
 
 def fuzzed(program, frames, seed):
