@@ -27,10 +27,12 @@ def mac_core(phy, in_words=False):
     """LiteEth's MAC with streams of 32 bits; ``phy`` and ``in_words`` as of :class:`Mac`."""
     core = LiteEthMACCore(phy, _WIDTH, with_sys_datapath=in_words, tx_cdc_buffered=in_words)
     if in_words:
-        # Between the conversion to bytes and the end of frames, through both of which ``ready``
-        # would go in one clock.
-        core.tx_datapath.pipeline.insert(-2, ClockDomainsRenamer("eth_tx")(stream.Buffer(
-            eth_phy_description(phy.dw), pipe_valid=True, pipe_ready=True)))
+        # Of frames sent between the conversion to bytes and their end, of those received between
+        # the conversion to words and the crossing: ``ready`` would go through both in one clock.
+        for way, position, domain, width in ((core.tx_datapath, -2, "eth_tx", phy.dw),
+                                             (core.rx_datapath, 3, "eth_rx", _WIDTH)):
+            way.pipeline.insert(position, ClockDomainsRenamer(domain)(stream.Buffer(
+                eth_phy_description(width), pipe_valid=True, pipe_ready=True)))
     return core
 
 

@@ -116,31 +116,38 @@ class Receiver(LiteXModule):
         self.valid, self.error = Signal(), Signal()
 
         before = Signal(4)          # the nibble before
+        there, wrong = Signal(), Signal()       # valid, error a clock ago
+        byte = Signal(8)            # the byte of that clock, if it ends one
+        starting = Signal()         # it is the one after the preamble
         second = Signal()           # the next nibble is a byte's high one
         started = Signal()          # the preamble is over
-        byte, whole_byte, start = Signal(8), Signal(), Signal()
+        now, whole_byte, start = Signal(8), Signal(), Signal()
         held, holds, bad = Signal(8), Signal(), Signal()
         self.comb += [
-            byte.eq(Mux(self.whole, Cat(self.low, self.high), Cat(before, self.low))),
-            start.eq(~started & (byte == _START)),
-            whole_byte.eq(self.valid & (self.whole | second | start)),
+            now.eq(Mux(self.whole, Cat(self.low, self.high), Cat(before, self.low))),
+            start.eq(~started & starting),
+            whole_byte.eq(there & (self.whole | second | start)),
         ]
         self.sync += [
             source.valid.eq(0),
             source.last.eq(0),
             source.last_be.eq(0),
             source.error.eq(0),
-            before.eq(self.low),
-            If(self.valid,
+            before.eq(Mux(self.valid, self.low, 0)),
+            there.eq(self.valid),
+            wrong.eq(self.error),
+            byte.eq(now),
+            starting.eq(now == _START),
+            If(there,
                second.eq(~whole_byte),
                started.eq(started | start),
-               bad.eq(bad | self.error)
-               ).Else(second.eq(0), started.eq(0), bad.eq(0), before.eq(0), holds.eq(0)),
+               bad.eq(bad | wrong)
+               ).Else(second.eq(0), started.eq(0), bad.eq(0), holds.eq(0)),
             If(whole_byte, held.eq(byte), holds.eq(1)),
-            If(holds & (whole_byte | ~self.valid),
+            If(holds & (whole_byte | ~there),
                source.valid.eq(1),
                source.data.eq(held),
-               source.last.eq(~self.valid),
-               source.last_be.eq(~self.valid),      # without it LiteEth checks no sequence
-               source.error.eq(~self.valid & bad)),
+               source.last.eq(~there),
+               source.last_be.eq(~there),        # without it LiteEth checks no sequence
+               source.error.eq(~there & bad)),
         ]
