@@ -4,7 +4,14 @@ from fractions import Fraction
 
 import pytest
 
-from ncdc_model.planner.memory_timing import MEMORIES, LatencyMemory, ddr3, memory_timing, sdram
+from ncdc_model.planner.memory_timing import (
+    MEMORIES,
+    LatencyMemory,
+    ddr3,
+    ddr3_1066,
+    memory_timing,
+    sdram,
+)
 from ncdc_spec.errors import InputError
 
 
@@ -21,6 +28,15 @@ def test_ddr3_in_clocks_of_2500_ps():
     assert (m.refresh, m.refresh_interval, m.write_to_precharge) == (64, 3125, 11)
     assert (m.read_to_write, m.write_to_read) == (3, 9)
     assert m.row_bytes * m.banks * 16384 * 8 == 2 << 30
+
+
+def test_ddr3_1066_has_four_clocks_of_its_controllers():
+    assert ddr3_1066(100) == ddr3(100)
+    m = memory_timing("ddr3-1066@125")                      # 2 ns
+    assert (m.ratio, m.cas_latency, m.rcd, m.rp, m.ras, m.rc, m.rrd, m.faw) == (
+        4, 8, 8, 8, 19, 27, 5, 25)
+    assert (m.refresh, m.refresh_interval, m.write_to_precharge) == (80, 3906, 14)
+    assert (m.read_to_write, m.write_to_read, m.controller_clocks) == (4, 10, 14)
 
 
 def test_the_hard_processors_memory():
@@ -44,13 +60,14 @@ def test_names():
 
 
 @pytest.mark.parametrize("memory,message", [
-    ("sram", "memory is 'sram', one of ideal, sdram, ddr3, hps, hostile, sdram@MHZ, ddr3@MHZ, "
-     "hps@MHZ or fixed"),
+    ("sram", "memory is 'sram', one of ideal, sdram, ddr3, ddr3-1066, hps, hostile, sdram@MHZ, "
+     "ddr3@MHZ, ddr3-1066@MHZ, hps@MHZ or fixed"),
     ("fixed:100", "memory is 'fixed:100'"),
     ("fixed:0:4", r"latency is 0\.\.0 clocks, the limits are 1 and 10000"),
     ("fixed:10:65", "rate is 65 bytes per clock, the limits are 0.01 and 64"),
     ("sdram@150", "clock of sdram is 150 MHz, the limits are 20 and 143"),
-    ("ddr3@10", "clock of ddr3 is 10 MHz, the limits are 20 and 400")])
+    ("ddr3@10", "clock of ddr3 is 10 MHz, the limits are 20 and 400"),
+    ("ddr3-1066@150", "clock of ddr3-1066 is 150 MHz, the limits are 76 and 133")])
 def test_bad_names(memory, message):
     with pytest.raises(InputError, match=message):
         memory_timing(memory)

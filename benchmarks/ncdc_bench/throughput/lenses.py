@@ -43,12 +43,15 @@ class Lens:
         every pixel.
     interpolation : str
         "fast", "gradient" or "directional".
+    neurons : int
+        Hidden neurons of its network.
     """
     degrees: float
     size: tuple
     rotation: float = 0.0
     nodes: int | str = 1
     interpolation: str = FAST.name
+    neurons: int = NEURONS
 
     @property
     def corrected(self):
@@ -86,7 +89,7 @@ class Lens:
 
 
 def trained(lens):
-    """The descriptor of a lens, with :data:`NEURONS` hidden neurons.
+    """The descriptor of a lens.
 
     It is trained once and cached with the compiled simulations, until one of its source files or
     libraries changes.
@@ -95,7 +98,7 @@ def trained(lens):
         pairs = training_grid(lens.back_map, lens.geometry)
         source = Source(pairs, lens.geometry, back_map=lens.back_map)
         choices = TrainingChoices(options=_OPTIONS, nodes=lens.nodes)
-        train_camera(source, NEURONS, choices).descriptor.save(folder / "net.toml")
+        train_camera(source, lens.neurons, choices).descriptor.save(folder / "net.toml")
     folder = built(key_of("lens", repr(lens), _trainer()), train)
     return Descriptor.load(folder / "net.toml")
 

@@ -10,8 +10,8 @@ from fractions import Fraction
 
 from ncdc_spec.errors import InputError
 
-__all__ = ["DramMemory", "LatencyMemory", "MEMORIES", "ddr3", "hps", "memory_at", "memory_timing",
-           "sdram"]
+__all__ = ["DramMemory", "LatencyMemory", "MEMORIES", "ddr3", "ddr3_1066", "hps", "memory_at",
+           "memory_timing", "sdram"]
 
 MAX_PENDING = 64        # read commands that the port's model can queue
 
@@ -167,7 +167,7 @@ def sdram(clock=100):
     InputError
         If the memory cannot be clocked that fast.
     """
-    clock = _clock(clock, 143, "sdram")
+    clock = _clock(clock, 20, 143, "sdram")
     period, cas = 1000 / clock, 3
 
     def clocks(ns):
@@ -186,23 +186,45 @@ def ddr3(clock=100):
     """One DDR3-800 of 2 Gbit, x16, with a controller at ``clock`` MHz: 400 MHz, bursts of 8
     (16 bytes), 8 banks of 2 KB rows.
 
-    JESD79-3, speed bin 800E (6-6-6) and 2 KB pages: rcd and rp 15 ns, ras 37.5 ns, rc 52.5 ns,
-    rrd 10 ns, faw 50 ns, write recovery 15 ns, write to read 7.5 ns but at least 4 clocks, CAS
-    write latency 5, refresh 160 ns, 8192 in 64 ms. Controller: 12, 16 and 20 clocks at 100, 150
-    and 200 MHz.
+    Controller: 12, 16 and 20 clocks at 100, 150 and 200 MHz. Intervals as of :func:`_ddr3`.
 
     Raises
     ------
     InputError
         If the clock is out of its range.
     """
-    clock = _clock(clock, 400, "ddr3")
-    period = Fraction(5, 2)
+    return _ddr3(_clock(clock, 20, 400, "ddr3"), Fraction(5, 2))
 
+
+def ddr3_1066(clock=100):
+    """One DDR3-1066 of 2 Gbit, x16, whose clock is four times that of its controller, ``clock``
+    MHz: each burst of 8 (16 bytes) takes one clock of the controller.
+
+    Speed bin 1066G (8-8-8), whose intervals in nanoseconds are those of :func:`ddr3`. At 100 MHz
+    the two memories have the same timing.
+
+    Raises
+    ------
+    InputError
+        If the clock is out of its range: the memory's period must be 1.875 to 3.3 ns.
+    """
+    clock = _clock(clock, 76, 133, "ddr3-1066")
+    return _ddr3(clock, 250 / clock)
+
+
+def _ddr3(clock, period):
+    """A DDR3 of 2 Gbit, x16, with a memory clock of ``period`` ns, its controller at ``clock``
+    MHz.
+
+    JESD79-3, speed bins 800E and 1066G, 2 KB pages: rcd and rp 15 ns, ras 37.5 ns, rc 52.5 ns,
+    rrd 10 ns but at least 4 clocks, faw 50 ns, write recovery 15 ns, write to read 7.5 ns but at
+    least 4 clocks, refresh 160 ns, 8192 in 64 ms. CAS latency and CAS write latency are 6 and 5
+    for periods of 2.5 ns and more, 8 and 6 for shorter ones.
+    """
     def clocks(ns, minimum=0):
         return max(minimum, math.ceil(Fraction(ns) / period))
 
-    cas, write = 6, 5
+    cas, write = (6, 5) if period >= Fraction(5, 2) else (8, 6)
     return DramMemory(
         period=period, clock=clock, banks=8, row_bytes=2048, access_bytes=16, word_bytes=16,
         word_clocks=4, cas_latency=cas, rcd=clocks(15), rp=clocks(15), ras=clocks(37.5),
@@ -236,11 +258,11 @@ def hps(clock=100):
                    controller_clocks=2 * one.controller_clocks, max_pending=8)
 
 
-def _clock(clock, limit, name):
+def _clock(clock, lowest, highest, name):
     clock = Fraction(clock).limit_denominator(1000)
-    if not 20 <= clock <= limit:
+    if not lowest <= clock <= highest:
         raise InputError(f"the clock of {name} is {float(clock):g} MHz, "
-                         f"the limits are 20 and {limit}")
+                         f"the limits are {lowest} and {highest}")
     return clock
 
 
@@ -249,20 +271,21 @@ MEMORIES = {
     "ideal": LatencyMemory(),
     "sdram": sdram(),
     "ddr3": ddr3(),
+    "ddr3-1066": ddr3_1066(),
     "hps": hps(),
     "hostile": LatencyMemory(latency=(1, 60), bytes_per_clock=6, granule=4, wait_probability=128,
                              max_pending=4),
 }
 _FIXED = re.compile(r"fixed:(\d+):(\d+(?:\.\d+)?)")
 # Those whose timing in clocks depends on the corrector's clock.
-_BY_CLOCK = {"sdram": sdram, "ddr3": ddr3, "hps": hps}
+_BY_CLOCK = {"sdram": sdram, "ddr3": ddr3, "ddr3-1066": ddr3_1066, "hps": hps}
 _CLOCKED = re.compile(rf"({'|'.join(_BY_CLOCK)})@(\d+(?:\.\d+)?)")
 
 
 def memory_timing(memory, others=()):
     """The memory of a name; a memory is returned as it is.
 
-    Names: those of :data:`MEMORIES`; ``sdram@MHZ`` and ``ddr3@MHZ`` at another clock of the
+    Names: those of :data:`MEMORIES`; ``sdram@MHZ``, ``ddr3@MHZ`` and so on at another clock of the
     corrector; ``fixed:LATENCY:BYTES`` with a fixed latency in clocks and bytes per clock.
     ``others`` are further names of the caller, for the error message.
 
@@ -280,8 +303,9 @@ def memory_timing(memory, others=()):
         return LatencyMemory(latency=(latency, latency), bytes_per_clock=float(match[2]))
     if match := _CLOCKED.fullmatch(memory):
         return _BY_CLOCK[match[1]](Fraction(match[2]))
-    raise InputError(f"memory is {memory!r}, one of {', '.join([*MEMORIES, *others])}, sdram@MHZ, "
-                     "ddr3@MHZ, hps@MHZ or fixed:LATENCY:BYTES is needed")
+    names = [*MEMORIES, *others, *(f"{name}@MHZ" for name in _BY_CLOCK)]
+    raise InputError(f"memory is {memory!r}, one of {', '.join(names)} or fixed:LATENCY:BYTES is "
+                     "needed")
 
 
 def memory_at(memory, clock_mhz):

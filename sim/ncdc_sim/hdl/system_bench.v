@@ -17,6 +17,7 @@
 //   a        flush stream.bin                             STREAM bytes
 //   b a      send the first a bytes of usb_send.bin by USB     DONE, at once
 //   c        flush usb_got.bin, what has come by USB      STREAM bytes
+//   d        counters so far                              RESULT lines, then DONE
 // The clocks of the system and of the sensor come from the program around this module, each with
 // its own period. Memory that was not written holds 0xA5. SDA and SCL are pulled up.
 //
@@ -25,8 +26,9 @@
 // Defines: NCDC_DATA_WIDTH, NCDC_READ_PORTS, NCDC_READ_BURST_WIDTH, NCDC_MEMORY_BYTES,
 // NCDC_THREE_READ_PORTS, NCDC_STREAM (pixels per beat), NCDC_SENSOR (its name), NCDC_USB (the number
 // of the USB side's read port), NCDC_USB_LANES (bytes of a word of the FTDI chip), NCDC_CSI2 (lanes of a
-// sensor with CSI-2, whose PHY is left out). The chip's clock is
-// three fifths of the system's; plusargs usb_rx_stall and usb_tx_stall are its pauses, in clocks of 256.
+// sensor with CSI-2, whose PHY is left out), NCDC_AXIS (samples of a beat of a camera's AXI4-Stream
+// video, instead of a sensor) and NCDC_SAMPLE_BITS (of each). The chip's clock is three fifths of the
+// system's; plusargs usb_rx_stall and usb_tx_stall are its pauses, in clocks of 256.
 
 `timescale 1ns/1ps
 
@@ -45,7 +47,7 @@ module system_bench (
     localparam STDIN = 32'h80000000;
     localparam END = 0, WRITE = 1, READ = 2, WAIT_IRQ = 3, WAIT = 4, SAVE = 5, RESET = 6,
         RESET_ALL = 7, STALL = 8, SENSOR = 9, STREAM = 10,
-        USB_SEND = 11, USB_GOT = 12;
+        USB_SEND = 11, USB_GOT = 12, COUNT = 13;
 
     reg rst = 1, module_rst = 1, memory_rst = 1;
     reg sensor_reset_n = 0;
@@ -57,14 +59,25 @@ module system_bench (
         memory.fill(0, memory_bytes, 8'hA5);
     end
 
-    // The sensor, and the two lines of its bus.
-    wire pixclk, frame_valid, line_valid, scl_low, sda_low, sensor_sda_low;
-    wire [11:0] data;
+    // The sensor, and the two lines of its bus; or a camera that needs no bus.
+    wire scl_low, sda_low, sensor_sda_low;
     wire scl = !scl_low, sda = !(sda_low || sensor_sda_low);
+`ifdef NCDC_AXIS
+    wire tvalid, tready, tuser, tlast;
+    wire [(`NCDC_AXIS*`NCDC_SAMPLE_BITS+7)/8*8-1:0] tdata;
+    assign sensor_sda_low = 0;
+    axis_camera #(.COUNT(`NCDC_AXIS), .BITS(`NCDC_SAMPLE_BITS)) camera (
+        .clk(extclk), .reset_n(sensor_reset_n), .tvalid(tvalid), .tready(tready), .tdata(tdata),
+        .tuser(tuser), .tlast(tlast)
+    );
+`else
+    wire pixclk, frame_valid, line_valid;
+    wire [11:0] data;
     sensor #(.SENSOR(`NCDC_SENSOR)) sensor (
         .extclk(extclk), .reset_n(sensor_reset_n), .pixclk(pixclk), .frame_valid(frame_valid),
         .line_valid(line_valid), .data(data), .scl(scl), .sda(sda), .sda_low(sensor_sda_low)
     );
+`endif
 
 `ifdef NCDC_CSI2
     wire [8*`NCDC_CSI2-1:0] lane_bytes;
@@ -96,6 +109,9 @@ module system_bench (
         .sensor_lane0_active(lane_active[0]),
         .sensor_lane1_data(lane_bytes[15:8]), .sensor_lane1_valid(lane_valid[1]),
         .sensor_lane1_active(lane_active[1]),
+`elsif NCDC_AXIS
+        .sensor_clock(extclk), .sensor_tvalid(tvalid), .sensor_tready(tready),
+        .sensor_tdata(tdata), .sensor_tuser(tuser), .sensor_tlast(tlast),
 `else
         .sensor_clock(pixclk), .sensor_frame_valid(frame_valid), .sensor_line_valid(line_valid),
         .sensor_data(data),
@@ -191,7 +207,7 @@ module system_bench (
         end
     endtask
 
-    task ends;
+    task counters;
         begin
             for (k = 0; k < PORTS; k = k + 1) begin
                 $display("RESULT read%0d_beats %0d", k, read_beats[k]);
@@ -208,6 +224,12 @@ module system_bench (
 `ifdef NCDC_USB
             $display("RESULT usb_errors %0d", usb_errors);
 `endif
+        end
+    endtask
+
+    task ends;
+        begin
+            counters;
             $display("END %0d", clocks);
             $fflush;
             $finish;
@@ -304,6 +326,10 @@ module system_bench (
                     asked = 0;
                 end
 `endif
+                COUNT: begin
+                    counters;
+                    done;
+                end
                 default: ends;
             endcase
         end

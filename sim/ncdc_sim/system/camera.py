@@ -8,7 +8,7 @@ from ncdc_model.correction import correct
 from ncdc_sim.system.running import running
 from ncdc_sim.tools import SimulationError
 
-__all__ = ["CameraFrame", "CameraRun", "simulate_camera"]
+__all__ = ["CameraFrame", "CameraRun", "corrected_frames", "simulate_camera"]
 
 _COUNTERS = ("LINE_FAULTS", "FRAMES_CUT", "OVERFLOWS", "FRAMES_MISSED", "CLOCK_STOPS", "RAW_BEGUN",
              "RAW_ENDED_BAD", "RAW_TAKEN", "RAW_SKIPPED", "CORRECTED_BEGUN", "CORRECTED_ENDED_BAD",
@@ -30,12 +30,19 @@ class CameraFrame:
         That the corrector took for it.
     age : int
         Clocks from the beginning of its raw frame until the host knew of it; 0 of a stream.
+    known : int
+        Clock in which the host knew of it.
+    bytes_read, bytes_written : int
+        Bytes that the memory's ports had moved until then.
     """
     number: int
     picture: np.ndarray
     golden: np.ndarray
     clocks: int
     age: int
+    known: int
+    bytes_read: int
+    bytes_written: int
 
     @property
     def different(self):
@@ -101,36 +108,61 @@ def simulate_camera(system, setup, light, *, count, follow=False, disturb=None,
     SimulationError
         If a frame does not come in time, or ends badly.
     """
-    result = CameraRun()
     with running(system, setup, light, registers={"RUN_FOLLOW": int(follow)}, **run) as camera:
-        host, live = camera.host, camera.host.live
-        limit = 6 * camera.frame_clocks + _TIMEOUT
-        host.camera.listen("CORRECTED_FRAME", "CORRECTED_BAD", "RAW_BAD")
-        while len(result.frames) < count:
-            if not live.wait_irq(limit):
-                raise SimulationError(f"no frame came in {limit} clocks")
-            now, events = live.now, host.camera.events()
-            if "CORRECTED_FRAME" in events:
-                result.frames.append(_frame(camera, now))
-                progress(len(result.frames) / count)
-                if disturb and len(result.frames) == 1:
-                    disturb(host)
-            elif not disturb and not run.get("fault"):
-                raise SimulationError(f"a frame ended badly: {', '.join(sorted(events))}")
-        faults = system.camera.fault_registers.values()
-        result.counters = {name: host.get(name) for name in (*_COUNTERS, *faults)}
-        result.i2c_errors = host.camera.i2c_errors
-        result.clocks, result.bench = live.now, live.end()
+        return corrected_frames(camera, count, faulty=bool(run.get("fault")), disturb=disturb,
+                                progress=progress)
+
+
+def corrected_frames(camera, count, *, faulty=False, disturb=None,
+                     progress=lambda fraction: None):
+    """The :class:`CameraRun` of a :class:`~ncdc_sim.system.running.Running` camera until ``count``
+    frames are corrected, which ends its simulation.
+
+    Parameters
+    ----------
+    camera : Running
+    count : int
+    faulty : bool
+        Whether frames may end badly.
+    disturb, progress :
+        As of :func:`simulate_camera`.
+
+    Raises
+    ------
+    SimulationError
+        If a frame does not come in time, or ends badly.
+    """
+    result, host, live = CameraRun(), camera.host, camera.host.live
+    limit = 6 * camera.frame_clocks + _TIMEOUT
+    host.camera.listen("CORRECTED_FRAME", "CORRECTED_BAD", "RAW_BAD")
+    while len(result.frames) < count:
+        if not live.wait_irq(limit):
+            raise SimulationError(f"no frame came in {limit} clocks")
+        now, events = live.now, host.camera.events()
+        if "CORRECTED_FRAME" in events:
+            result.frames.append(_frame(camera, now))
+            progress(len(result.frames) / count)
+            if disturb and len(result.frames) == 1:
+                disturb(host)
+        elif not disturb and not faulty:
+            raise SimulationError(f"a frame ended badly: {', '.join(sorted(events))}")
+    faults = host.system.camera.fault_registers.values()
+    result.counters = {name: host.get(name) for name in (*_COUNTERS, *faults)}
+    result.i2c_errors = host.camera.i2c_errors
+    result.clocks, result.bench = live.now, live.end()
     return result
 
 
 def _frame(camera, now):
     """The newest corrected frame, claimed, compared and released."""
     host = camera.host
+    bench = host.live.counters()
     frame = host.streamed() if host.live.stream else host.claim()
     clocks = host.get("CLOCKS")
     golden = correct(host.system.descriptor, camera.sent(frame.number),
                      strip=host.system.hardware.strip)
     host.camera.release(0)
+    beats = sum(bench[f"read{k}_beats"] for k in range(host.live.readers))
     return CameraFrame(frame.number, host.picture(frame), golden.picture, clocks,
-                       frame.time and now - frame.time)
+                       frame.time and now - frame.time, now, beats * host.live.width // 8,
+                       bench["write_bytes"])

@@ -14,6 +14,7 @@ from ncdc_sim.runner import build_bench, command_of, hdl_text
 from ncdc_sim.sensor.verilog import Fault, sensor_sources
 from ncdc_sim.tools import SimulationError, environment
 from ncdc_sim.waves import Waves, build_options, recorded
+from ncdc_spec.camera_port import AXIS, CameraPort
 from ncdc_spec.errors import InputError
 
 __all__ = ["Clocks", "LiveRun", "LiveSystem"]
@@ -21,7 +22,7 @@ __all__ = ["Clocks", "LiveRun", "LiveSystem"]
 _BENCH = ("system_bench.v", "avalon_memory.v", "dram_timing.v", "avalon_checker.v",
           "stream_checker.v", "ft245_chip.v")
 _END, _WRITE, _READ, _WAIT_IRQ, _WAIT, _SAVE, _RESET, _RESET_ALL, _STALL, _SENSOR, _STREAM, \
-    _USB_SEND, _USB_GOT = range(13)
+    _USB_SEND, _USB_GOT, _COUNT = range(14)
 # With -O2 GCC 12 takes some words of 128 bits of the model for aligned ones, which they are not.
 _OPTIONS = ("-CFLAGS", "-fno-tree-slp-vectorize")
 _TIMEOUT_S = 60                # for a run to end by itself, and to close its waveforms
@@ -49,6 +50,8 @@ class LiveRun:
     clocks : Clocks
     fault : Fault, optional
         Fault of the sensor.
+    camera : CameraPort
+        The system's. AXI4-Stream video comes from ``axis_camera.v``, which is no sensor.
     simulator : str
     seed : int
         Seed of the memory's random behaviour.
@@ -62,6 +65,7 @@ class LiveRun:
     memory: object = "sdram"
     clocks: Clocks = Clocks()
     fault: Fault | None = None
+    camera: CameraPort = CameraPort()
     simulator: str = "verilator"
     seed: int = 1
     sink_probability: int = 256
@@ -107,8 +111,8 @@ class LiveSystem:
         self.stream = "stream_data" in ports
         if not hasattr(memory, "latency") and not hasattr(memory, "banks"):
             raise InputError("LiteDRAM cannot be the memory of a camera's run")
-        binary = self._build(verilog, ports, sensor, run.simulator, memory_bytes,
-                             build_options(run.waves, run.simulator))
+        binary = self._build(verilog, ports, self._camera(ports, sensor, run.camera),
+                             run.simulator, memory_bytes, build_options(run.waves, run.simulator))
         settings = memory_settings(memory, self.width, self.readers) | {
             "memory_bytes": memory_bytes, "seed": run.seed,
             "sink_probability": run.sink_probability, **vars(run.clocks),
@@ -129,20 +133,30 @@ class LiveSystem:
             stderr=subprocess.STDOUT)
         self._stack.push(self._stop)
 
-    def _build(self, verilog, ports, sensor, simulator, memory_bytes, options):
-        defines = {"NCDC_DATA_WIDTH": self.width, "NCDC_READ_PORTS": self.readers,
-                   "NCDC_READ_BURST_WIDTH": ports["read0_burstcount"],
-                   "NCDC_MEMORY_BYTES": max(_MIN_MEMORY, 1 << (memory_bytes - 1).bit_length()),
-                   "NCDC_SENSOR": f'"{sensor}"'}
-        if "usb_clock" in ports:
-            defines |= {"NCDC_USB": self.readers - 1, "NCDC_USB_LANES": ports["usb_be_o"]}
-        readers = self.readers - ("usb_clock" in ports)
+    @staticmethod
+    def _camera(ports, sensor, camera):
+        """Macros of the bench for a camera: (defines, sources of its model)."""
+        if camera.kind == AXIS:
+            return ({"NCDC_AXIS": camera.samples, "NCDC_SAMPLE_BITS": camera.bits},
+                    [("axis_camera.v", hdl_text("axis_camera.v"))])
+        defines = {"NCDC_SENSOR": f'"{sensor}"'}
         if "sensor_lane0_data" in ports:
             defines |= {"NCDC_CSI2": sum(name.startswith("sensor_lane") and name.endswith("_data")
                                          for name in ports)}
+        return defines, sensor_sources()
+
+    def _build(self, verilog, ports, camera, simulator, memory_bytes, options):
+        camera_defines, camera_sources = camera
+        defines = {"NCDC_DATA_WIDTH": self.width, "NCDC_READ_PORTS": self.readers,
+                   "NCDC_READ_BURST_WIDTH": ports["read0_burstcount"],
+                   "NCDC_MEMORY_BYTES": max(_MIN_MEMORY, 1 << (memory_bytes - 1).bit_length()),
+                   **camera_defines}
+        if "usb_clock" in ports:
+            defines |= {"NCDC_USB": self.readers - 1, "NCDC_USB_LANES": ports["usb_be_o"]}
+        readers = self.readers - ("usb_clock" in ports)
         defines |= {"NCDC_THREE_READ_PORTS": None} if readers == 3 else {}
         defines |= {"NCDC_STREAM": ports["stream_data"] // 24} if self.stream else {}
-        sources = [*((name, hdl_text(name)) for name in _BENCH), *sensor_sources(),
+        sources = [*((name, hdl_text(name)) for name in _BENCH), *camera_sources,
                    ("ncdc_system.v", verilog)]
         return build_bench("system", "system_bench", sources, defines=defines,
                            simulator=simulator, options=(*_OPTIONS, *options))
@@ -198,6 +212,11 @@ class LiveSystem:
         """All pixels that have left as a stream, three bytes each."""
         size = int(self._ask(_STREAM)[0])
         return (self.folder / "stream.bin").read_bytes()[:size]
+
+    def counters(self):
+        """The bench's counters so far, by name."""
+        self._ask(_COUNT)
+        return dict(self.results)
 
     def usb_send(self, data):
         """Let a host send bytes by USB, 65,536 at most that it has not sent as yet."""
