@@ -106,6 +106,14 @@ class CacheOptions:
         return self.tiles * self.tile_bytes
 
     @property
+    def options(self):
+        """The options of ``ncdc generate`` that choose it."""
+        usual = self.of_bytes(self.bytes, self.interpolation)
+        return [f"--cache-bytes {self.bytes}",
+                *(f"--cache-{name} {getattr(self, name)}" for name in ("pending", "outstanding")
+                  if getattr(self, name) != getattr(usual, name))]
+
+    @property
     def sets(self):
         """Tiles of each tag bank."""
         return self.tiles // self.tag_banks

@@ -344,7 +344,7 @@ class Hardware:
 
     def options(self, geometry):
         """The options of ``ncdc generate`` that choose this, for a camera of ``geometry``."""
-        cache = [f"--cache-bytes {self.cache_for(geometry).bytes}",
+        cache = [*self.cache_for(geometry).options,
                  f"--cache-split {self.split_for(geometry)}"] if self.cached else []
         return [f"--fetch {self.fetcher}", *cache, f"--strip {self.strip}",
                 f"--data-width {self.data_width}", f"--to {self.output}",

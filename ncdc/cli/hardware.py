@@ -37,6 +37,12 @@ def add_fixed(parser):
     parser.add_argument("--cache-split", type=int, metavar="S",
                         help="log2 of the tile pairs along a row that have sets of their own "
                              "(default: planned)")
+    parser.add_argument("--cache-pending", type=int, metavar="N",
+                        help="look-ups that wait for their tiles, at most, a power of two "
+                             "(default: 128); more hide more of the memory's latency")
+    parser.add_argument("--cache-outstanding", type=int, metavar="N",
+                        help="tiles that are asked for and have not come, at most 64 (default: 16 "
+                             "of 64 bytes, 32 of 32 bytes)")
     parser.add_argument("--strip", type=int, metavar="COLUMNS",
                         help="make pixels in strips of so many columns, a multiple of 32, or row "
                              "by row, 0; a stream takes 0 only (default: planned); same results")
@@ -126,7 +132,8 @@ def add_bus(parser):
 
 def fixed_of(args, strip=None):
     """:class:`Fixed` of a command's options; ``strip`` counts where they leave it open."""
-    return Fixed(args.cache_bytes, args.cache_split, strip if args.strip is None else args.strip)
+    return Fixed(args.cache_bytes, args.cache_split, strip if args.strip is None else args.strip,
+                 args.cache_pending, args.cache_outstanding)
 
 
 def hardware_of(args, board=None):

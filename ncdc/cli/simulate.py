@@ -41,9 +41,10 @@ def add_arguments(parser) -> None:
     add_hardware(parser.add_argument_group("hardware", "none of it changes a pixel"))
     run = parser.add_argument_group("simulation")
     run.add_argument("--memory", default="sdram", metavar="NAME",
-                     help="simulated memory: ideal, sdram (default), ddr3, hps, hostile, "
-                          "sdram@MHZ, ddr3@MHZ, hps@MHZ, fixed:LATENCY:BYTES (clocks, bytes per "
-                          "clock), or the controller LiteDRAM: litedram, litedram-ddr3")
+                     help="simulated memory: ideal, sdram (default), ddr3, ddr3-1066, hps, "
+                          "hostile, sdram@MHZ, ddr3@MHZ, ddr3-1066@MHZ, hps@MHZ, "
+                          "fixed:LATENCY:BYTES (clocks, bytes per clock), or the controller "
+                          "LiteDRAM: litedram, litedram-ddr3")
     run.add_argument("--simulator", choices=SIMULATORS, default="verilator",
                      help="verilator (default) or icarus, which takes some 100 times as long")
     run.add_argument("--seed", type=int, default=1, metavar="S",

@@ -3,6 +3,7 @@
 import pytest
 
 from ncdc.cli import main
+from ncdc_bench.system import uhd
 from ncdc_bench.system.command import failures
 from ncdc_bench.system.measure import FAULTS, runs_of
 
@@ -36,3 +37,35 @@ def test_an_unknown_camera_is_rejected(capsys):
     ({"pixels_different": 2}, ["640x480 on sdram: 2 pixels differ"])])
 def test_failures(change, said):
     assert failures([ROW | change]) == said
+
+
+# Of a run in which every frame came in time.
+UHD = {"interpolation": "gradient", "memory": "ddr3", "clock_mhz": 125, "cache_bytes": 131072,
+       "goal": 60, "frames": 2, "pixels_different": 0, "frames_skipped": 0, "frames_lost": 0,
+       "clocks": 2_080_000, "predicted_clocks": 2_081_000, "clocks_per_pixel": .2508,
+       "frames_per_second": 60.1, "bytes_read": 8_000_000.0, "bytes_read_expected": 8_000_000,
+       "bytes_written": 8_294_400.0, "amplification": 1.003, "memory_load": .6}
+
+
+@pytest.mark.parametrize("change,said", [
+    ({}, ""), ({"pixels_different": 2}, "131072 bytes of cache: 2 pixels differ"),
+    ({"frames_skipped": 1}, "1 frames of the camera were skipped"),
+    ({"frames_lost": 1}, "1 frames were lost"),
+    ({"bytes_read": 8_000_032.0}, "8000032 bytes were read for a frame, 8000000 are expected"),
+    ({"frames_per_second": 59.9}, "59.90 frames per second, at least 60 are asked for"),
+    ({"frames_per_second": 51.8, "frames_skipped": 1, "goal": 0}, ""),
+    ({"clocks": 2_110_000}, "2081000 clocks of a frame were predicted, 2110000 are measured")])
+def test_a_camera_of_3840x2160_fails_by_its_figures(monkeypatch, capsys, change, said):
+    monkeypatch.setattr(uhd, "measure", lambda runs, progress: [UHD | change])
+    assert main(["bench", "system", "--uhd"]) == (1 if said else 0)
+    out, err = capsys.readouterr()
+    assert said in err and "ddr3@125" in out
+
+
+def test_the_camera_of_3840x2160_is_no_sensor(capsys):
+    assert main(["bench", "system", "--uhd", "--camera", "imx219"]) == 2
+    assert "--uhd and --camera imx219 are given" in capsys.readouterr().err
+
+
+def test_the_camera_of_3840x2160_sends_60_frames_per_second():
+    assert 0 <= uhd.UHD.frames_per_second - uhd.FRAMES_PER_SECOND < .01

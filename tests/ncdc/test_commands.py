@@ -255,10 +255,12 @@ def test_front_end_options_reach_the_verilog(folder, capsys):
 
 @pytest.mark.regress
 def test_cache_options_reach_the_verilog(folder, capsys):
-    options = "--cache-bytes 2048 --cache-split 1 --strip 0"
+    options = ("--cache-bytes 2048 --cache-pending 64 --cache-outstanding 8 --cache-split 1 "
+               "--strip 0")
     assert run(f"generate net.toml -o hw {options}") == 0
-    verilog = corrector_verilog(Descriptor.load("net.toml"),
-                                Hardware(cache=CacheOptions(tiles=32), split=1))
+    cache = CacheOptions(tiles=32, pending=64, outstanding=8)
+    verilog = corrector_verilog(Descriptor.load("net.toml"), Hardware(cache=cache, split=1))
+    assert options.partition(" --strip")[0] in verilog
     assert (folder / "hw" / "ncdc.v").read_text() == verilog
     assert run(f"simulate net.toml raw.png -o sim.png --json r.json {options}") == 0
     report = json.loads((folder / "r.json").read_text())
@@ -268,6 +270,8 @@ def test_cache_options_reach_the_verilog(folder, capsys):
 
 
 @pytest.mark.parametrize("options,message", [
+    ("--cache-pending 100", "pending is 100, a power of two from 4 to 1024 is needed"),
+    ("--cache-outstanding 65", "outstanding is 65, the limits are 1 and 64"),
     ("--cache-bytes 3000", "size is 3000 bytes, a power of two from 1024 to 262144 is needed"),
     ("--cache-bytes 1024 --cache-split 3", "split is 3, the limits are 0 and 2")])
 def test_rejects_a_cache_that_there_is_not(folder, options, message, capsys):

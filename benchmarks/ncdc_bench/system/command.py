@@ -1,10 +1,11 @@
 """``ncdc bench system``: a running camera, its faults and its readers."""
 
-
 from ncdc.cli.common import add_json, report_failures, write_report
 from ncdc.terminal import Progress
 from ncdc.text_table import text_table
+from ncdc_bench.system import uhd
 from ncdc_bench.system.measure import measure, runs_of
+from ncdc_spec.errors import InputError
 
 __all__ = ["EXAMPLE", "HELP", "add_arguments", "failures", "run", "table"]
 
@@ -12,23 +13,42 @@ HELP = ("let a camera run from a sensor's pins through memory and corrector, wit
         "readers at random, and compare every frame with the golden model")
 EXAMPLE = "ncdc bench system --quick"
 _PREDICTION = .02       # of the clocks, by which the planner may be wrong
+_CAMERA = "mt9p031"
 
 
 def add_arguments(parser):
     """Declare the command's arguments on an argparse parser."""
-    parser.add_argument("--camera", default="mt9p031", metavar="NAME",
-                        help="sensor: mt9p031 (default), imx219, ...; one with CSI-2 lanes sends "
-                             "their bytes to the receiver")
-    parser.add_argument("--quick", action="store_true", help="no frames above 640x480: minutes")
+    parser.add_argument("--camera", metavar="NAME",
+                        help=f"sensor: {_CAMERA} (default), imx219, ...; one with CSI-2 lanes "
+                             "sends their bytes to the receiver")
+    which = parser.add_mutually_exclusive_group()
+    which.add_argument("--quick", action="store_true", help="no frames above 640x480: minutes")
+    which.add_argument("--uhd", action="store_true",
+                       help="only a camera of 3840x2160 at 60 frames per second, four samples and "
+                            "four pixels per clock: an hour")
     add_json(parser)
 
 
 def run(args):
     """Measure and report; 1 on a wrong pixel, a torn or lost frame, or an unreported fault."""
-    rows = list(measure(runs_of(args.camera, args.quick), lambda run: Progress(str(run))))
+    if args.uhd:
+        return _uhd(args)
+    runs = runs_of(args.camera or _CAMERA, args.quick)
+    rows = list(measure(runs, lambda run: Progress(str(run))))
     if not write_report({"rows": rows}, args.json):
         print(table(rows))
     return report_failures("bench system", failures(rows))
+
+
+def _uhd(args):
+    """Measure and report frames of 3840x2160; 1 if one is wrong, late or lost."""
+    if args.camera:
+        raise InputError(f"--uhd and --camera {args.camera} are given, the camera of --uhd is none "
+                         "of the sensors")
+    rows = list(uhd.measure(uhd.RUNS, lambda run: Progress(str(run))))
+    if not write_report({"rows": rows}, args.json):
+        print(text_table(_UHD_COLUMNS, rows))
+    return report_failures("bench system", uhd.failures(rows))
 
 
 def failures(rows):
@@ -83,4 +103,21 @@ _COLUMNS = (
     ("clocks/px", _clocks("clocks_per_pixel")),
     ("predicted", _clocks("predicted_clocks_per_pixel")),
     ("recovered", lambda row: {None: "-", True: "yes", False: "no"}[row["recovered"]]),
+)
+_UHD_COLUMNS = (
+    ("colour", lambda row: row["interpolation"]),
+    ("memory", lambda row: f"{row['memory']}@{row['clock_mhz']}"),
+    ("cache", lambda row: f"{row['cache_bytes'] // 1024} KB"),
+    ("frames", lambda row: str(row["frames"])),
+    ("wrong", lambda row: str(row["pixels_different"])),
+    ("skipped", lambda row: str(row["frames_skipped"])),
+    ("lost", lambda row: str(row["frames_lost"])),
+    ("clocks", lambda row: str(row["clocks"])),
+    ("predicted", lambda row: str(row["predicted_clocks"])),
+    ("clocks/px", lambda row: f"{row['clocks_per_pixel']:.5f}"),
+    ("fps", lambda row: f"{row['frames_per_second']:.2f}"),
+    ("MB read", lambda row: f"{row['bytes_read'] / 1e6:.2f}"),
+    ("MB written", lambda row: f"{row['bytes_written'] / 1e6:.2f}"),
+    ("/distinct", lambda row: f"{row['amplification']:.3f}"),
+    ("load", lambda row: f"{row['memory_load']:.0%}"),
 )

@@ -44,6 +44,8 @@ class Fixed:
         Register CACHE_SPLIT.
     strip : int, optional
         Register STRIP_WIDTH; 0: a raster.
+    pending, outstanding : int, optional
+        As of :class:`CacheOptions`, whose defaults the planner takes.
 
     Raises
     ------
@@ -53,6 +55,8 @@ class Fixed:
     cache_bytes: int | None = None
     split: int | None = None
     strip: int | None = None
+    pending: int | None = None
+    outstanding: int | None = None
 
     def __post_init__(self):
         check_strip_width(self.strip or 0)
@@ -68,7 +72,9 @@ class Fixed:
 
     def caches(self, interpolation=FAST):
         """Tile caches to choose from, the smallest first: list of CacheOptions."""
-        sizes = [CacheOptions.of_bytes(size, interpolation) for size in
+        given = {name: getattr(self, name) for name in ("pending", "outstanding")
+                 if getattr(self, name) is not None}
+        sizes = [replace(CacheOptions.of_bytes(size, interpolation), **given) for size in
                  (CACHE_BYTES if self.cache_bytes is None else [self.cache_bytes])]
         if self.split is None:
             return sizes

@@ -138,31 +138,37 @@ def corrected_frames(camera, count, *, faulty=False, disturb=None,
     while len(result.frames) < count:
         if not live.wait_irq(limit):
             raise SimulationError(f"no frame came in {limit} clocks")
-        now, events = live.now, host.camera.events()
+        now, moved, events = live.now, live.counters(), host.camera.events()
         if "CORRECTED_FRAME" in events:
-            result.frames.append(_frame(camera, now))
+            result.frames.append(_frame(camera, now, moved))
             progress(len(result.frames) / count)
             if disturb and len(result.frames) == 1:
                 disturb(host)
         elif not disturb and not faulty:
-            raise SimulationError(f"a frame ended badly: {', '.join(sorted(events))}")
-    faults = host.system.camera.fault_registers.values()
-    result.counters = {name: host.get(name) for name in (*_COUNTERS, *faults)}
+            counts = ", ".join(f"{name} {value}" for name, value in _counters(host).items())
+            raise SimulationError(f"a frame ended badly: {', '.join(sorted(events))}; {counts}")
+    result.counters = _counters(host)
     result.i2c_errors = host.camera.i2c_errors
     result.clocks, result.bench = live.now, live.end()
     return result
 
 
-def _frame(camera, now):
-    """The newest corrected frame, claimed, compared and released."""
+def _counters(host):
+    """Registers of the camera and the stores that count, by name."""
+    faults = host.system.camera.fault_registers.values()
+    return {name: host.get(name) for name in (*_COUNTERS, *faults)}
+
+
+def _frame(camera, now, moved):
+    """The newest corrected frame, claimed, compared and released; ``moved``: counters of the bench
+    when the host knew of it."""
     host = camera.host
-    bench = host.live.counters()
     frame = host.streamed() if host.live.stream else host.claim()
     clocks = host.get("CLOCKS")
     golden = correct(host.system.descriptor, camera.sent(frame.number),
                      strip=host.system.hardware.strip)
     host.camera.release(0)
-    beats = sum(bench[f"read{k}_beats"] for k in range(host.live.readers))
+    beats = sum(moved[f"read{k}_beats"] for k in range(host.live.readers))
     return CameraFrame(frame.number, host.picture(frame), golden.picture, clocks,
                        frame.time and now - frame.time, now, beats * host.live.width // 8,
-                       bench["write_bytes"])
+                       moved["write_bytes"])
