@@ -75,11 +75,14 @@ class Geometry:
     # digest stays what it was.
     interpolation: Interpolation = field(default=FAST, repr=False)
 
+    max_size = MAX_SIZE     # of a side; not a field
+
     def __post_init__(self):
         for name in ("corrected_width", "corrected_height", "distorted_width", "distorted_height"):
             value = getattr(self, name)
-            if type(value) is not int or not MIN_SIZE <= value <= MAX_SIZE:
-                raise InputError(f"{name} is {value}, the limits are {MIN_SIZE} and {MAX_SIZE}")
+            if type(value) is not int or not MIN_SIZE <= value <= self.max_size:
+                raise InputError(f"{name} is {value}, the limits are {MIN_SIZE} and "
+                                 f"{self.max_size}")
         if self.bayer not in BAYERS:
             raise InputError(f"bayer is {self.bayer!r}, one of {', '.join(BAYERS)} is needed")
         if self.mono and self.interpolation == FAST:

@@ -1,6 +1,6 @@
 """``ncdc plan``: cache, scan and speed of a trained map, before any Verilog exists."""
 
-from fractions import Fraction
+import re
 
 from ncdc.cli.board_design import add_mode
 from ncdc.cli.common import add_json, write_report
@@ -15,17 +15,26 @@ from ncdc.cli.hardware import (
     front_end_line,
 )
 from ncdc.cli.plan_board import plan_board
+from ncdc.cli.plan_system import (
+    add_system,
+    camera_of,
+    check_carried,
+    check_system,
+    system_lines,
+    system_of,
+)
 from ncdc.cli.renamed import add_renamed
 from ncdc.cli.view_range import add_view_range, angles_text, report_lines, view_range_of
 from ncdc.terminal import Progress
 from ncdc_hdl.corrector import Corrector
 from ncdc_model.planner.memory_timing import memory_at
 from ncdc_model.planner.plan import CLOCK_MHZ, plan
+from ncdc_model.planner.scaled import hardware_takes, scaled
 from ncdc_model.planner.views import ViewPlanner
-from ncdc_model.planner.with_camera import clocks_with_camera
 from ncdc_model.view_nodes import errors_report, worst_node_errors
 from ncdc_spec.descriptor import Descriptor
 from ncdc_spec.errors import InputError
+from ncdc_spec.geometry import MAX_SIZE
 from ncdc_spec.hardware import DATA_WIDTHS, OUTPUTS, Hardware
 from ncdc_spec.sensors.catalogue import SENSORS
 from ncdc_spec.sensors.framing import setup_around
@@ -40,6 +49,10 @@ EXAMPLE = "ncdc plan net.toml --memory ddr3 --core-mhz 150 --to stream"
 def add_arguments(parser) -> None:
     """Declare the command's arguments on an argparse parser."""
     parser.add_argument("descriptor", metavar="NET", help="descriptor of ncdc train")
+    parser.add_argument("--size", metavar="WxH",
+                        help="plan the same lens for corrected pictures of another size, with as "
+                             "many times more samples; also for larger ones than hardware takes, "
+                             f"{MAX_SIZE} pixels a side")
     parser.add_argument("--board", metavar="NAME",
                         help="whether a board of ncdc build carries the picture on its memory and "
                              "its screen, as well as --sensor (default: mt9p031)")
@@ -64,11 +77,14 @@ def add_arguments(parser) -> None:
     parser.add_argument("--min-fps", dest="rate", type=float, metavar="FPS",
                         help="exit with an error below so many corrected frames per second")
     add_renamed(parser, "--rate", "--min-fps", dest="rate", type=float)
-    parser.add_argument("--sensor", dest="camera", metavar="NAME",
+    system = parser.add_argument_group("whole system", (
+        "frames per second and memory traffic with all that shares the memory"))
+    system.add_argument("--sensor", dest="camera", metavar="NAME",
                         help="also the clocks of a running system, in which this sensor's frames "
                              f"come to the same memory meanwhile: {', '.join(_NAMES)}")
     add_renamed(parser, "--camera", "--sensor", dest="camera")
-    add_field(parser)
+    add_field(system)
+    add_system(system)
     add_follow(parser)
     add_view_range(parser.add_argument_group("range of views", (
         "for hardware with --view: the plan is that of the slowest view")))
@@ -90,51 +106,91 @@ def run(args) -> None:
     args.clock = CLOCK_MHZ if args.clock is None else args.clock
     if not 1 <= args.clock <= 1000:
         raise InputError(f"the clock is {args.clock:g} MHz, the limits are 1 and 1000")
-    descriptor = Descriptor.load(args.descriptor)
+    check_system(args)
+    trained = Descriptor.load(args.descriptor)
+    descriptor = _sized(trained, args.size)
     views = view_range_of(args, descriptor)
-    if views and args.follow:
-        raise InputError("--follow is given with a range of views, ncdc simulate --follow has the "
-                         "bound of one view")
+    _check_views(args, descriptor, views)
     framing = setup_around(args.camera, descriptor.geometry, field=field_of(args),
                            exposure_us=_EXPOSURE_US) if args.camera else None
     fixed = fixed_of(args, follow_strip(args, descriptor.geometry))
-    width = args.data_width or (128 if args.memory == "ddr3" else 32)
+    width = args.data_width or (128 if args.memory.startswith("ddr3") else 32)
     hardware = Hardware(data_width=width, output=args.to, lanes=args.pixels_per_clock,
                         format=args.format, view=views is not None)
-    planned = _planned(args, descriptor, hardware, fixed, views)
-    bound = bound_of(args, descriptor, planned.hardware, memory_at(args.memory, args.clock))
+
+    def timing(chosen):
+        return Corrector(trained, chosen).timing
+    memory = memory_at(args.memory, args.clock)
+    camera = camera_of(args, descriptor.geometry, framing)
+    check_carried(args, descriptor.geometry, hardware, memory, camera)
+    planned = _planned(args, descriptor, hardware, fixed, views, timing)
+    bound = bound_of(args, descriptor, planned.hardware, memory)
+    slowest = planned.slowest if views else planned
+    system = system_of(args, descriptor, slowest, memory, timing(planned.hardware), camera,
+                       views.view(planned.slowest_at) if views else None)
     made = planned.hardware.made_for(descriptor)
     report = planned.report() | {"nodes": descriptor.nodes, "share": made.share,
                                  "tansigs": made.units(descriptor.hidden_neurons)}
-    report |= _with_camera(args, descriptor, planned, framing, views)
+    report |= _size_report(args, descriptor.geometry) | _system_report(
+        system, slowest, framing, descriptor.geometry)
     if views:
         report |= errors_report(views, worst_node_errors(descriptor, views, descriptor.nodes,
                                                          Progress("nodes")))
-    if write_report({"digest": descriptor.digest, "output": args.to, **report,
+    if write_report({"digest": trained.digest, "output": args.to, **report,
                      **(bound.report() if bound else {})}, args.json):
         return
-    print(choice_line(planned.hardware, report["bytes_read_per_pixel"], report["amplification"]))
-    print(front_end_line(made, descriptor))
-    print(f"{report['predicted_clocks_per_pixel']:.4f} clocks per pixel, "
-          f"{report['frames_per_second']:.1f} frames per second predicted ({args.memory}, "
-          f"{width} bits, {args.clock:g} MHz)")
-    print(f"{report['worst_bytes_per_pixel']:.2f} bytes per pixel in the worst 8192 pixels; "
-          f"{report['live_bytes']} bytes of tiles in use at once")
-    for line in _view_lines(report):
-        print(line)
+    _print(args, report, made, descriptor)
     if bound:
         print(f"with the camera's frame: out at most {bound.clocks} clocks after its last byte, "
               f"{100 * bound.share:.1f} % of its {bound.camera_clocks}")
-    if args.camera:
-        print(f"{report['beside_camera_clocks_per_pixel']:.4f} clocks per pixel while the "
-              f"{args.camera} writes its next frames, {report['camera_frames_per_second']:.1f} per "
-              f"second")
+    if system:
+        print("\n".join(system_lines(system, slowest, args.camera or "camera")))
 
 
-def _planned(args, descriptor, hardware, fixed, views):
+def _sized(trained, size):
+    """The descriptor to plan: the trained one, or the same lens for pictures of ``size``, a text.
+
+    Raises
+    ------
+    InputError
+        If the text is no size, or the size cannot be planned.
+    """
+    if size is None:
+        return trained
+    match = re.fullmatch(r"(\d{1,6})x(\d{1,6})", size)
+    if not match:
+        raise InputError(f"the size is {size!r}, WxH is needed, as in 3840x2160")
+    return scaled(trained, tuple(map(int, match.groups())))
+
+
+def _check_views(args, descriptor, views):
+    """Reject what the planner does not predict together."""
+    if views and args.follow:
+        raise InputError("--follow is given with a range of views, ncdc simulate --follow has the "
+                         "bound of one view")
+    if (views or args.follow) and not hardware_takes(descriptor.geometry):
+        raise InputError(f"--size {args.size} is given with {'views' if views else '--follow'}, "
+                         f"which are planned for {MAX_SIZE} pixels a side at most")
+
+
+def _print(args, report, made, descriptor):
+    """The plan of the corrector for people."""
+    print(choice_line(made, report["bytes_read_per_pixel"], report["amplification"]))
+    print(front_end_line(made, descriptor))
+    print(f"{report['predicted_clocks_per_pixel']:.4f} clocks per pixel, "
+          f"{report['frames_per_second']:.1f} frames per second predicted ({args.memory}, "
+          f"{report['data_width']} bits, {args.clock:g} MHz)")
+    print(f"{report['worst_bytes_per_pixel']:.2f} bytes per pixel in the worst 8192 pixels; "
+          f"{report['live_bytes']} bytes of tiles in use at once")
+    if report.get("hardware_exists") is False:
+        print(f"there is no hardware for {args.size}: coordinates, tags and size registers end at "
+              f"{MAX_SIZE} pixels a side; the figures are of the same hardware with wider ones")
+    for line in _view_lines(report):
+        print(line)
+
+
+def _planned(args, descriptor, hardware, fixed, views, timing):
     """The :class:`Plan` of the trained picture, or the :class:`ViewPlan` of ``views``."""
-    def timing(chosen):
-        return Corrector(descriptor, chosen).timing
     options = {"fixed": fixed, "rate": args.rate, "progress": Progress("planning")}
     if views:
         return ViewPlanner(descriptor, args.memory, timing, views, args.clock).plan(
@@ -154,19 +210,19 @@ def _view_lines(report):
         yield from report_lines(report)
 
 
-def _with_camera(args, descriptor, planned, framing, views):
-    """Entries of the report with a running camera; ``framing``: its configuration and crop, or
-    None."""
-    if framing is None:
+def _size_report(args, geometry):
+    """Entries of the report with another size than the trained one."""
+    if args.size is None:
         return {}
-    setup, crop = framing
-    timing = crop.arriving(setup.timing)
-    clocks = clocks_with_camera(
-        descriptor, planned.hardware, memory_at(args.memory, args.clock),
-        Corrector(descriptor, planned.hardware).timing, timing,
-        Fraction(args.clock * 1e6) / timing.pixel_clock_hz,
-        views.view(planned.slowest_at) if views else None)
-    pixels = planned.slowest.pixels if views else planned.pixels
-    return {"beside_camera_clocks_per_pixel": clocks / pixels,
-            "camera_frames_per_second": setup.timing.frames_per_second,
-            **field_report(setup, crop, descriptor.geometry)}
+    return {"width": geometry.corrected_width, "height": geometry.corrected_height,
+            "hardware_exists": hardware_takes(geometry)}
+
+
+def _system_report(system, planned, framing, geometry):
+    """Entries of the report on a whole system; ``framing``: its sensor's configuration and crop, or
+    None."""
+    if system is None:
+        return {}
+    return {"beside_camera_clocks_per_pixel": system.clocks / planned.pixels,
+            "camera_frames_per_second": system.camera_fps, "system": system.report(),
+            **(field_report(*framing, geometry) if framing else {})}

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ncdc_model.correction import correction_of
+from ncdc_model.correction import Correction
 from ncdc_spec.geometry import scan_order
 from ncdc_spec.hardware import check_lanes
 from ncdc_spec.interpolation import FAST, Interpolation
@@ -91,7 +91,8 @@ class Lookups:
 def frame_windows(descriptor, progress=lambda done, total: None, view=None):
     """:class:`Windows` of a trained map, or of a :class:`~ncdc_spec.view.View` of it;
     ``progress(done, total)`` counts corrected rows."""
-    x0, y0, used = correction_of(descriptor, view=view).corners(progress)
+    # Not the cached correction: its arrays would stay, 12 bytes a pixel.
+    x0, y0, used = Correction(descriptor, view=view).corners(progress)
     geometry = descriptor.geometry
     return Windows(x0, y0, used, geometry.interpolation, geometry.distorted)
 

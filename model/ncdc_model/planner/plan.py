@@ -11,7 +11,7 @@ from ncdc_model.planner.writes import frame_writes
 from ncdc_spec.cache_options import CacheOptions
 from ncdc_spec.errors import InputError
 from ncdc_spec.frames import FrameAddresses, check_format, output_format
-from ncdc_spec.geometry import check_strip_width
+from ncdc_spec.geometry import MAX_SIZE, check_strip_width
 from ncdc_spec.hardware import Hardware
 from ncdc_spec.interpolation import FAST
 
@@ -19,6 +19,7 @@ __all__ = ["CACHE_BYTES", "CLOCK_MHZ", "Choice", "Fixed", "GAIN", "Plan", "STRIP
            "choose", "clocks_limit", "frame_figures", "plan", "worth_timing"]
 
 CACHE_BYTES = 8192, 16384, 32768, 65536     # sizes to try
+LARGE_CACHE_BYTES = 131072                  # also for pictures that are wider than the hardware's
 STRIPS = 64, 128, 256                       # widths to try in addition to raster
 CLOCK_MHZ = 100.0
 
@@ -70,12 +71,14 @@ class Fixed:
         """Whether nothing is left to the planner."""
         return None not in (self.cache_bytes, self.split, self.strip)
 
-    def caches(self, interpolation=FAST):
-        """Tile caches to choose from, the smallest first: list of CacheOptions."""
+    def caches(self, interpolation=FAST, width=0):
+        """Tile caches to choose from for a corrected picture ``width`` pixels wide, the smallest
+        first: list of CacheOptions."""
         given = {name: getattr(self, name) for name in ("pending", "outstanding")
                  if getattr(self, name) is not None}
+        there = (*CACHE_BYTES, LARGE_CACHE_BYTES) if width > MAX_SIZE else CACHE_BYTES
         sizes = [replace(CacheOptions.of_bytes(size, interpolation), **given) for size in
-                 (CACHE_BYTES if self.cache_bytes is None else [self.cache_bytes])]
+                 (there if self.cache_bytes is None else [self.cache_bytes])]
         if self.split is None:
             return sizes
         if self.cache_bytes is not None:
@@ -124,9 +127,9 @@ class Plan:
         With the chosen tile cache, split and scan.
     memory : str
     clock_mhz : float
-    pixels, misses, clocks, interlock, credit : int
-        Figures of a frame: corrected pixels, tiles read, clocks, stall clocks, see
-        :class:`ncdc_model.planner.timing.Clocks`.
+    pixels, misses, clocks, interlock, credit, unhindered : int
+        Figures of a frame: corrected pixels, tiles read, clocks, stall clocks, clocks without a
+        wait for memory, see :class:`ncdc_model.planner.timing.Clocks`.
     distinct : int
         Bytes of the raw frame that are in any window.
     worst : float
@@ -142,6 +145,7 @@ class Plan:
     clocks: int
     interlock: int
     credit: int
+    unhindered: int
     distinct: int
     worst: float
     live: int
@@ -212,7 +216,7 @@ def choose(windows, distinct, geometry, hardware, fixed=Fixed(), progress=lambda
     InputError
         If strips are asked of a stream.
     """
-    found, caches = [], fixed.caches(geometry.interpolation)
+    found, caches = [], fixed.caches(geometry.interpolation, geometry.corrected_width)
     strips = fixed.strips(geometry.corrected_width, hardware.stream)
     for k, strip in enumerate(strips):
         accessed = accesses(lookups(windows, strip))
@@ -328,6 +332,7 @@ def frame_figures(windows, geometry, hardware, memory, timing,
     clocks = predict_clocks(missed, boxes, hardware, memory, timing, addresses, writes, progress)
     return {"pixels": boxes.pixels, "misses": len(missed), "clocks": clocks.clocks,
             "interlock": clocks.interlock, "credit": clocks.credit,
+            "unhindered": clocks.unhindered,
             "worst": worst_span(missed, len(boxes), hardware.cache.tile_bytes),
             "live": live_tiles(accessed) * hardware.cache.tile_bytes}
 

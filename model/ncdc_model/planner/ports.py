@@ -19,7 +19,8 @@ def memory_port(memory, data_width, writes=None, delays=None, read_to_bus=0):
 
     Its ``read(clock, address, words)`` presents a command at edge ``clock`` and returns two edges:
     the one that accepts it and the one at which its last word is on the port. If the same memory
-    takes the corrected frame, ``writes`` are its :class:`FrameWrites`. ``delays`` gives the clock
+    takes the corrected frame, ``writes`` are its :class:`FrameWrites`, with the accesses of other
+    hosts, whose reads come through a port of their own. ``delays`` gives the clock
     at which a pixel is ready, and the port postpones it while the writer is full. ``known`` is the
     first look-up without a known delay; ``advance(clock)`` schedules the writes before a clock.
     ``read_to_bus``: clocks from a window read to the first word of the burst it completes.
@@ -42,7 +43,7 @@ class _PendingAccess:
 
 
 class _Port:
-    """The limit of outstanding read commands, and the arrival of writes."""
+    """The limit of outstanding read commands, and the arrival of writes and of others' reads."""
 
     def __init__(self, memory, word, writes, delays, read_to_bus):
         self.memory, self.word, self.read_to_bus = memory, word, read_to_bus
@@ -54,6 +55,8 @@ class _Port:
         self.frame_next = next(self.frame_accesses, None)   # as :meth:`FrameWrites.accesses`
         self.other_accesses = iter(writes.others() if writes and writes.others else ())
         self.other_next = next(self.other_accesses, None)   # (edge, address, words)
+        self.other_reads = iter(writes.reads() if writes and writes.reads else ())
+        self.read_next = next(self.other_reads, None)       # (edge, address, words)
         self.arrived = 0            # write accesses that have arrived
         self.last_edge = self.frame_edge = 0    # of the last one, and of the frame's last one
         self.waiting = deque()      # of :class:`_PendingAccess`
@@ -114,6 +117,12 @@ class _Port:
                           else _NEVER)
         return self.other_next[0] <= frame_edge
 
+    @property
+    def _frame_written(self):
+        """Whether the frame's last write is scheduled: then other hosts do not matter."""
+        return (self.total > 0 and self.frame_next is None
+                and not any(access.of_frame for access in self.waiting))
+
     def finish(self):
         """All pixels are known: the edge at which the last write is accepted."""
         self.known = _NEVER
@@ -155,7 +164,16 @@ class _LatencyPort(_Port):
             self.last, cost = self._pay(edge, cost), 256
 
     def advance(self, clock):
-        while self._arrive() and self.waiting[0].edge < clock:
+        while True:
+            written = self.waiting[0].edge if self._arrive() else _NEVER
+            read = self.read_next[0] if self.read_next and not self._frame_written else _NEVER
+            if min(written, read) >= clock:
+                return
+            if read < written:
+                for _ in range(max(self.read_next[2], self.granule)):
+                    read = self._pay(read + 1, 256)
+                self.read_next = next(self.other_reads, None)
+                continue
             access = self.waiting.popleft()
             edge = access.edge - access.words
             for _ in range(access.words):
@@ -203,7 +221,7 @@ class _DramPort(_Port):
         end, from_edge = address + words * word, accepted + memory.controller_clocks
         while address < end:
             upto = min(end, (address // memory.access_bytes + 1) * memory.access_bytes)
-            edge = self._write_until(from_edge, accepted)
+            edge = self._turn(from_edge, accepted)
             length = self._length(address, upto)
             data = self._schedule(edge, address, length, False) + memory.cas_latency
             beats = (upto - address) // word
@@ -212,8 +230,22 @@ class _DramPort(_Port):
             address = upto
 
     def advance(self, clock):
-        if self._arrive():
-            self._write_until(_NEVER, _NEVER, clock)
+        if self._arrive() or self.read_next:
+            self._turn(_NEVER, _NEVER, clock)
+
+    def _turn(self, read_from, held_from, clock=_NEVER):
+        """As :meth:`_write_until`, with the reads of other hosts that may be scheduled earlier."""
+        while self.read_next and not self._frame_written:
+            arrived, address, words = self.read_next
+            other_from = arrived + self.memory.controller_clocks
+            if other_from >= min(read_from, clock):
+                break
+            edge = self._write_until(other_from, arrived, clock)
+            if edge >= clock:
+                return edge
+            self._schedule(edge, address, self._length(address, address + words * self.word), False)
+            self.read_next = next(self.other_reads, None)
+        return self._write_until(read_from, held_from, clock)
 
     def _write_until(self, read_from, held_from, clock=_NEVER):
         """Schedule writes until ``clock``, or until the turn of a read that may be scheduled from

@@ -28,12 +28,15 @@ class Clocks:
     interlock, credit : int
         Clocks that look-ups with misses waited for a slot still in use, and for requests of the
         previous look-up's tiles while as many as allowed were outstanding.
+    unhindered : int
+        Clocks from start to last pixel if memory never made a look-up wait.
     read : DelaySteps
         Delay of each look-up's read, from the first look-up on.
     """
     clocks: int
     interlock: int
     credit: int
+    unhindered: int
     read: DelaySteps
 
 
@@ -69,7 +72,8 @@ def predict_clocks(missed, boxes, hardware, memory, timing, addresses, writes=No
     """
     if writes is not None and len(boxes) < boxes.pixels:
         writes = writes.by_lookup(boxes.pixel)
-    run = _Frame(hardware, memory, timing, writes, coordinate_stalls(boxes, timing))
+    stalls = coordinate_stalls(boxes, timing)
+    run = _Frame(hardware, memory, timing, writes, stalls)
     tile_height = hardware.cache.tile_height
     first = (missed.columns * TILE_WIDTH + addresses.source
              + missed.rows * (tile_height * addresses.pitch))
@@ -86,7 +90,9 @@ def predict_clocks(missed, boxes, hardware, memory, timing, addresses, writes=No
         clocks = run.port.finish() + timing.start
     else:
         clocks = timing.start + run.read.clock(len(boxes) - 1) + timing.end
-    return Clocks(clocks, run.interlock, run.credit, run.read)
+    unhindered = (timing.start + len(boxes) - 1 + (stalls[-1][1] if stalls else 0)
+                  + timing.push_to_retire + timing.end)
+    return Clocks(clocks, run.interlock, run.credit, unhindered, run.read)
 
 
 class _Frame:

@@ -1,5 +1,5 @@
-"""Clocks of a frame while a camera writes to the same memory: the next frames or, with early start,
-the same one."""
+"""Clocks of a frame while a camera writes to the same memory, the next frames or, with early start,
+the same one, and while readers take earlier pictures from it."""
 
 from dataclasses import replace
 from math import ceil
@@ -7,10 +7,11 @@ from math import ceil
 from ncdc_model.planner.camera_writes import CameraWrites
 from ncdc_model.planner.follow import follow_bound
 from ncdc_model.planner.lookups import frame_windows, lookups
+from ncdc_model.planner.reader_reads import SteadyReads, with_reads
 from ncdc_model.planner.tags import accesses, misses
 from ncdc_model.planner.timing import predict_clocks
 from ncdc_model.planner.writes import frame_writes
-from ncdc_spec.frames import FrameAddresses
+from ncdc_spec.frames import FrameAddresses, output_format, target_bytes
 from ncdc_spec.registers.system_values import stores_for, system_values
 
 __all__ = ["clocks_with_camera", "follow_bound_with_camera"]
@@ -19,11 +20,12 @@ _READERS = 2            # of the system: they determine the addresses of its buf
 _QUEUE = 20             # clocks from a sample at the pins to its burst, approximate
 
 
-def clocks_with_camera(descriptor, hardware, memory, timing, sensor, ratio, view=None):
+def clocks_with_camera(descriptor, hardware, memory, timing, sensor, ratio, view=None, rates=(),
+                       progress=lambda done, total: None):
     """Clocks of a frame in a running system while the camera sends the next frames.
 
-    The frame begins when its raw frame is complete; the next ones go to another buffer. Buffers are
-    at their addresses after a reset.
+    The frame begins when its raw frame is complete; the next ones go to another buffer. Readers
+    have earlier corrected frames. Buffers are at their addresses after a reset.
 
     Parameters
     ----------
@@ -37,6 +39,10 @@ def clocks_with_camera(descriptor, hardware, memory, timing, sensor, ratio, view
         Clocks of the corrector per pixel clock of the sensor.
     view : View, optional
         What the corrected frame shows; the trained picture by default.
+    rates : sequence of Fraction
+        Bytes per clock that each reader of corrected frames in memory takes.
+    progress : callable
+        Called with (misses done, misses).
     """
     geometry, word = descriptor.geometry, hardware.data_width // 8
     picture = view.geometry(geometry) if view else geometry
@@ -49,8 +55,12 @@ def clocks_with_camera(descriptor, hardware, memory, timing, sensor, ratio, view
                                                        timing)
     camera = CameraWrites.of(sensor, ratio, geometry, values["RAW1_BASE"], addresses.pitch,
                              burst=timing.write_burst, latency=_QUEUE - timing.start)
-    return predict_clocks(missed, boxes, hardware, memory, timing, addresses,
-                          camera.merged_with(writes, word, block)).clocks
+    size = target_bytes(picture, hardware.data_width, output_format(hardware.format))
+    readers = [SteadyReads(values[f"CORRECTED{1 + k}_BASE"], size, rate)
+               for k, rate in enumerate(rates)]
+    traffic = with_reads(camera.merged_with(writes, word, block), readers, word, block)
+    return predict_clocks(missed, boxes, hardware, memory, timing, addresses, traffic,
+                          progress).clocks
 
 
 def follow_bound_with_camera(descriptor, hardware, memory, timing, sensor, ratio):

@@ -1,4 +1,4 @@
-"""Write accesses of a corrected picture to memory, in the order of the scan."""
+"""Accesses to the memory of a corrected picture: its own writes, and those of other hosts."""
 
 from dataclasses import dataclass, replace
 
@@ -28,10 +28,14 @@ class FrameWrites:
     others : callable, optional
         ``others()`` gives the writes of another host through the same port: (edge, address, words)
         of each access, the edge at which its last word could be accepted, ascending.
+    reads : callable, optional
+        ``reads()`` gives the reads of other hosts through ports of their own: (edge, address,
+        words) of each access, the edge at which its command is accepted, ascending.
     """
     count: int = 0
     parts: object = tuple
     others: object = None
+    reads: object = None
 
     def accesses(self):
         """(address, words, last pixel, stalled pixel) of each access, as :attr:`parts` has them."""
