@@ -87,16 +87,22 @@ class RowGate(wiring.Component):
         c = Signal.like(self.i.payload)
         early = Signal(len(lanes_of(c)))
         leaves = Signal()       # the group in C leaves
+        moves = ~c_valid | leaves
         passes = ~early.any() | self.abort
+        # Synthesis does not merge a flag with its complement: `ready` is `moves`, but does not
+        # begin where all bits of a group are moved.
+        c_empty = Signal(init=1)        # complement of `c_valid`
+        o_empty = Signal(init=1)        # complement of `o.valid`
         m.d.comb += [leaves.eq(c_valid & passes & (~self.o.valid | self.o.ready)),
-                     self.i.ready.eq(~c_valid | leaves)]
-        with m.If(self.i.ready):
-            m.d.sync += [c_valid.eq(self.i.valid), c.eq(self.i.payload)]
+                     self.i.ready.eq(c_empty | (passes & (o_empty | self.o.ready)))]
+        with m.If(moves):
+            m.d.sync += [c_valid.eq(self.i.valid), c_empty.eq(~self.i.valid),
+                         c.eq(self.i.payload)]
         for k, (i, waiting) in enumerate(zip(lanes_of(self.i.p), lanes_of(c))):
             m.d.sync += early[k].eq(Mux(self.i.ready, ~i.blank & (i.y0 >= limit),
                                         early[k] & (waiting.y0 >= limit)))
         with m.If(~self.o.valid | self.o.ready):
-            m.d.sync += [self.o.valid.eq(leaves), self.o.payload.eq(c)]
+            m.d.sync += [self.o.valid.eq(leaves), o_empty.eq(~leaves), self.o.payload.eq(c)]
             for k, o in enumerate(lanes_of(self.o.p)):
                 m.d.sync += o.blank.eq(lanes_of(c)[k].blank | early[k])
         return m

@@ -38,11 +38,15 @@ class Relay(wiring.Component):
         o = Signal(len(i), reset_less=True)         # the item that is offered
         aside = Signal(len(i), reset_less=True)     # the item put aside, unless `free`
         free = Signal(init=1)                       # nothing is aside
+        # The same complemented, which no synthesis takes for the same register: one of them
+        # selects all bits, and `ready` begins at the other one.
+        full = Signal()
         m.d.comb += [self.i.ready.eq(free), Value.cast(self.o.payload).eq(o)]
-        with m.If(free):
+        with m.If(~full):
             m.d.sync += aside.eq(i)
         moves = ~self.o.valid | self.o.ready
         with m.If(moves):
-            m.d.sync += [self.o.valid.eq(~free | self.i.valid), o.eq(Mux(free, i, aside))]
-        m.d.sync += free.eq(moves | (free & ~self.i.valid))
+            m.d.sync += [self.o.valid.eq(full | self.i.valid), o.eq(Mux(full, aside, i))]
+        m.d.sync += [free.eq(moves | (free & ~self.i.valid)),
+                     full.eq(~(moves | (~full & ~self.i.valid)))]
         return m

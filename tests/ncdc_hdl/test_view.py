@@ -104,8 +104,8 @@ def test_nodes_equal_the_golden_model(interval, strip, multiplier_bits):
             while len(found) < count:
                 ctx.set(scan.space, rng.random() < .8)
                 *_, issues, total, issue, x, y, fits, column, row = await ctx.tick().sample(
-                    transform.scan.issue, transform.scan.o, transform.issue, transform.x, transform.y,
-                    transform.fits, transform.column, transform.row)
+                    transform.scan.issue, transform.scan.o, transform.issue, transform.x,
+                    transform.y, transform.fits, transform.column, transform.row)
                 scanned.append(total)
                 issued.append(issues)
                 places.append((column, row))

@@ -16,8 +16,8 @@ class Act(wiring.Component):
     All but ``ready`` and ``space`` is known before each clock: the outputs
     are one gate after registers.
 
-    Timing: ``push`` and ``shift`` follow ``ready`` and ``space`` at once. A change of ``busy``
-    reaches ``push`` after ``latency`` clocks.
+    Timing: ``push``, ``leave`` and ``shift`` follow ``ready`` and ``space`` at once. A change of
+    ``busy`` reaches ``push`` after ``latency`` clocks.
 
     Parameters
     ----------
@@ -35,6 +35,9 @@ class Act(wiring.Component):
         A look-up may be passed on.
     shift : ``Out(1)``
         All look-ups move on by one stage in this clock; the one in stage A, if any, leaves.
+    leave : ``Out(1)``
+        Equal to ``shift``, by registers of its own: ``shift`` moves a few thousand flip-flops, and
+        this is for all else.
     push : ``Out(1)``
         The look-up in stage A is passed on in this clock.
     missing : ``Out(banks)``
@@ -58,6 +61,7 @@ class Act(wiring.Component):
             "busy": In(banks),
             "space": In(1),
             "shift": Out(1),
+            "leave": Out(1),
             "push": Out(1),
             "missing": Out(banks),
             "take": Out(1),
@@ -70,21 +74,23 @@ class Act(wiring.Component):
         m = Module()
         a_busy = Signal.like(self.busy)         # `busy`, a clock ago
         a_hit = Signal(init=1)                  # no tile is missing, or there is no look-up
+        a_misses = Signal()                     # the complement, which synthesis does not merge
         a_clear = Signal(init=1)                # no entry of a missing tile is busy
         complete = Signal()                     # the look-up may leave if there is space
         m.d.comb += [
-            complete.eq(a_hit | (a_clear & self.ready)),
-            self.shift.eq(complete & self.space),
-            self.push.eq(self.valid & self.shift),
-            self.take.eq(~a_hit & self.shift),
-            self.stalls.interlock.eq(~a_hit & ~a_clear),
-            self.stalls.credit.eq(~a_hit & a_clear & ~self.ready & self.waiting),
+            complete.eq(~a_misses | (a_clear & self.ready)),
+            self.shift.eq((a_hit | (a_clear & self.ready)) & self.space),
+            self.leave.eq(complete & self.space),
+            self.push.eq(self.valid & self.leave),
+            self.take.eq(a_misses & self.leave),
+            self.stalls.interlock.eq(a_misses & ~a_clear),
+            self.stalls.credit.eq(a_misses & a_clear & ~self.ready & self.waiting),
             self.stalls.pending.eq(self.valid & complete & ~self.space),
         ]
-        with m.If(self.shift):
+        with m.If(self.leave):
             # Another look-up comes, or none, which misses nothing.
             m.d.sync += [self.missing.eq(self.d_missing), a_busy.eq(self.d_busy),
-                         a_hit.eq(~self.d_missing.any()),
+                         a_hit.eq(~self.d_missing.any()), a_misses.eq(self.d_missing.any()),
                          a_clear.eq(~(self.d_missing & self.d_busy).any())]
         with m.Else():
             m.d.sync += [a_busy.eq(self.busy), a_clear.eq(~(self.missing & a_busy).any())]

@@ -1,5 +1,8 @@
 """Groups of windows as boxes of samples that can be read in one clock."""
 
+from functools import reduce
+from operator import or_
+
 from amaranth import *
 from amaranth.lib import data, stream, wiring
 from amaranth.lib.wiring import In, Out
@@ -69,17 +72,18 @@ class Boxes(wiring.Component):
     def elaborate(self, platform):
         m = Module()
         ready = Signal()        # the next stage takes the boxes of the single lanes
-        group, valid, boxes = self._single(m, ready)
+        moves = Signal()        # the same, for what moves with it
+        group, valid, boxes = self._single(m, ready, moves)
         if self.lanes == 1:
             (box,), o = boxes, self.o.p
             m.d.comb += [o[name].eq(box[name]) for name in (*_EDGES, "used")]
             m.d.comb += [o.mask.eq(1), o.end.eq(1), o.group.eq(group), self.o.valid.eq(valid),
-                         ready.eq(self.o.ready)]
+                         ready.eq(self.o.ready), moves.eq(~valid | ready)]
             return m
-        self._parts(m, group, valid, boxes, ready)
+        self._parts(m, group, valid, boxes, ready, moves)
         return m
 
-    def _single(self, m, ready):
+    def _single(self, m, ready, moves):
         """The group at hand, whether there is one, and the box of each of its lanes."""
         needs = self.interpolation
         layout = data.StructLayout(dict.fromkeys(_EDGES, range(MAX_SIZE)) | {"used": 1})
@@ -99,52 +103,60 @@ class Boxes(wiring.Component):
         group = Signal.like(self.i.p, name="clipped_group")
         valid = Signal(name="clipped_valid")
         clipped = [Signal(layout, name=f"clipped_box{k}") for k in range(self.lanes)]
-        m.d.comb += self.i.ready.eq(~valid | ready)
-        with m.If(self.i.ready):
+        # Several lanes: with the stages after it. A single one: as soon as it is empty, too.
+        m.d.comb += self.i.ready.eq(ready if self.lanes > 1 else ~valid | ready)
+        with m.If(moves):
             m.d.sync += [valid.eq(self.i.valid), group.eq(self.i.p)]
             m.d.sync += [new.eq(old) for new, old in zip(clipped, boxes)]
         return group, valid, clipped
 
-    def _parts(self, m, group, valid, boxes, taken):
+    def _parts(self, m, group, valid, boxes, ready, moves):
         """Several lanes: a tree of boxes with a level per stage, output part by part."""
         # Level 0: the lanes themselves, which always fit. All levels of a group move on together.
         tree = [boxes]
-        last_ready = Signal()
-        m.d.comb += taken.eq(last_ready)
         for level in range(1, ceil_log2(self.lanes) + 1):
-            joined = [self._join(m, left, right)
-                      for left, right in zip(tree[-1][::2], tree[-1][1::2])]
+            arriving = [*tree, [self._join(m, left, right)
+                                for left, right in zip(tree[-1][::2], tree[-1][1::2])]]
             stage_valid = Signal(name=f"valid{level}")
             stage_group = Signal.like(group, name=f"group{level}")
-            stage = [[Signal.like(box, name=f"box{level}_{k}_{n}") for n, box in enumerate(boxes)]
-                     for k, boxes in enumerate([*tree, joined])]
-            with m.If(last_ready):
+            tree = [[Signal.like(box, name=f"box{level}_{k}_{n}") for n, box in enumerate(boxes)]
+                    for k, boxes in enumerate(arriving)]
+            with m.If(moves):
                 m.d.sync += [stage_valid.eq(valid), stage_group.eq(group)]
-                m.d.sync += [new.eq(old) for news, olds in zip(stage, [*tree, joined])
+                m.d.sync += [new.eq(old) for news, olds in zip(tree, arriving)
                              for new, old in zip(news, olds)]
-            tree, valid, group = stage, stage_valid, stage_group
+            arrives, valid, group = valid, stage_valid, stage_group
 
-        # The largest part of the tree that fits and begins at the current lane.
-        at = Signal(range(self.lanes))          # the current lane
-        part = Signal.like(boxes[0])            # the largest box that fits and begins there
-        size = Signal(range(self.lanes + 1))    # its lanes
-        mask = Signal(self.lanes)               # its lanes, a bit each
-        end = Signal()                          # it is the group's last box
-        for level, boxes in enumerate(tree):
-            for k, box in enumerate(boxes):
-                with m.If((at == k << level) & (box.fits if level else 1)):
-                    m.d.comb += [*(part[name].eq(box[name]) for name in (*_EDGES, "used")),
-                                 size.eq(1 << level),
-                                 mask.eq(((1 << (1 << level)) - 1) << (k << level))]
+        # The part at hand is chosen a clock before: with a group its first one, then the next.
+        # So whether all levels move is known from few registers.
+        parts = _parts_of(tree)
+        chosen = {part: Signal(name="chosen{}_{}".format(*part)) for part in parts}
+        ends = Signal()                         # it is the group's last one
         free = ~self.o.valid | self.o.ready
-        m.d.comb += [end.eq(at + size == self.lanes), last_ready.eq(~valid | (free & end))]
+        # Synthesis does not merge a flag with its complement: `ready`, which goes on to earlier
+        # stages, is `moves`, but does not begin where a thousand flip-flops are moved.
+        empty = Signal(init=1)                  # complement of `valid`
+        o_empty = Signal(init=1)                # complement of `o.valid`
+        m.d.comb += [moves.eq(~valid | (free & ends)),
+                     ready.eq(empty | ((o_empty | self.o.ready) & ends))]
+        first = _choice(_parts_of(arriving), {0: Const(1)})
+        following = _choice(parts, _ends(chosen))
+        with m.If(moves):
+            m.d.sync += empty.eq(~arrives)
+        with m.If(ready):
+            m.d.sync += [own.eq(first[part]) for part, own in chosen.items()]
+            m.d.sync += ends.eq(_ends(first)[self.lanes])
+        with m.Elif(free):
+            m.d.sync += [own.eq(following[part]) for part, own in chosen.items()]
+            m.d.sync += ends.eq(_ends(following)[self.lanes])
         with m.If(free):
-            m.d.sync += [
-                self.o.valid.eq(valid),
-                *(self.o.p[name].eq(part[name]) for name in (*_EDGES, "used")),
-                self.o.p.mask.eq(mask), self.o.p.end.eq(end), self.o.p.group.eq(group)]
-            with m.If(valid):
-                m.d.sync += at.eq(Mux(end, 0, at + size))
+            m.d.sync += [self.o.valid.eq(valid), o_empty.eq(~valid), self.o.p.end.eq(ends),
+                         self.o.p.group.eq(group)]
+            m.d.sync += [self.o.p[name].eq(_any(Mux(own, parts[part][name], 0)
+                                                for part, own in chosen.items()))
+                         for name in (*_EDGES, "used")]
+            m.d.sync += self.o.p.mask.eq(_any(Mux(own, ((1 << (1 << level)) - 1) << (k << level), 0)
+                                              for (level, k), own in chosen.items()))
 
     def _join(self, m, a, b):
         """The box around two boxes.
@@ -177,3 +189,35 @@ class Boxes(wiring.Component):
         if rows * height <= limit:
             low, limit = exact_log2(height), rows
         return (b.x1[word:] - a.x0[word:] <= 1) & (b.y1[low:] - a.y0[low:] < limit)
+
+
+def _any(values):
+    """The bits that any of ``values`` has."""
+    return reduce(or_, values)
+
+
+def _parts_of(tree):
+    """Boxes of a tree by their level and number: part (n, k) begins with lane k 2**n."""
+    return {(level, k): box for level, boxes in enumerate(tree) for k, box in enumerate(boxes)}
+
+
+def _choice(parts, begins):
+    """Which of ``parts`` is the largest one that fits and begins with the lane to begin with:
+    ``begins`` has a flag for each lane that may be that. Halves of a part that fits fit."""
+    def fits(level, k):
+        return parts[level, k].fits if level else Const(1)
+
+    choice = {}
+    for level, k in parts:
+        larger = level + 1, k >> 1
+        alone = ~fits(*larger) if k % 2 == 0 and larger in parts else Const(1)
+        choice[level, k] = begins.get(k << level, Const(0)) & fits(level, k) & alone
+    return choice
+
+
+def _ends(choice):
+    """Of each lane whether the part of ``choice`` ends before it."""
+    ends = {}
+    for (level, k), own in choice.items():
+        ends[k + 1 << level] = ends.get(k + 1 << level, Const(0)) | own
+    return ends

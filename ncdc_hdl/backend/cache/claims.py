@@ -54,25 +54,31 @@ class Claims(wiring.Component):
         m = Module()
         m.submodules.relay = relay = self.relay
         wiring.connect(m, wiring.flipped(self.i), relay.i)
-        # A look-up; ``need`` marks its tiles that are not yet claimed.
+        # A look-up; ``need`` marks its tiles to be claimed after the next one.
         left = Signal(self.i.payload.shape(), reset_less=True)
-        done = Signal(init=1)                   # no such tile is left
-        final = Signal()                        # one is left
-        bank = Signal(self.options.tag_banks)   # the bit of the lowest one
+        bank = Signal(self.options.tag_banks)   # the bit of the next one
+        done = Signal(init=1)                   # there is none
+        final = Signal()                        # it is the last one
         m.d.comb += [
-            bank.eq(Cat(bit & ~left.need[:k].any() for k, bit in enumerate(left.need))),
             self.claim.eq(~done & self.credit),
             self.waiting.eq(~done & ~self.credit),
             relay.o.ready.eq(done | (final & self.credit)),
         ]
         with m.If(relay.o.valid & relay.o.ready):
-            one, two, _ = _at_least(relay.o.p.need)
-            m.d.sync += [left.eq(relay.o.p), done.eq(0), final.eq(one & ~two)]
+            m.d.sync += [left.eq(relay.o.p), done.eq(0), final.eq(_is_one(relay.o.p.need)),
+                         *self._take(relay.o.p.need, bank, left.need)]
         with m.Elif(self.claim):
-            _, two, three = _at_least(left.need)
-            m.d.sync += [left.need.eq(left.need & ~bank), done.eq(final), final.eq(two & ~three)]
+            m.d.sync += [done.eq(final), final.eq(_is_one(left.need)),
+                         *self._take(left.need, bank, left.need)]
         self._tile(m, left, bank)
         return m
+
+    @staticmethod
+    def _take(need, bank, others):
+        """Assignments of the lowest bit of ``need``, alone, and of the other ones."""
+        below = [need[:k].any() for k in range(len(need))]
+        return [bank.eq(Cat(bit & ~lower for bit, lower in zip(need, below))),
+                others.eq(Cat(bit & lower for bit, lower in zip(need, below)))]
 
     def _tile(self, m, left, bank):
         """The tile of the look-up ``left`` in ``bank``, and its slot."""
@@ -88,10 +94,10 @@ class Claims(wiring.Component):
         ]
 
 
-def _at_least(bits):
-    """(Whether one bit is set, whether two are, whether three are.)"""
-    parts = [(bit, Const(0), Const(0)) for bit in bits]
+def _is_one(bits):
+    """Whether exactly one bit is set."""
+    parts = [(bit, Const(0)) for bit in bits]
     while len(parts) > 1:
-        parts = [(a | d, b | e | (a & d), c | f | (a & e) | (b & d))
-                 for (a, b, c), (d, e, f) in zip(parts[::2], parts[1::2])]
-    return parts[0]
+        parts = [(a | c, b | d | (a & c)) for (a, b), (c, d) in zip(parts[::2], parts[1::2])]
+    [(one, two)] = parts
+    return one & ~two

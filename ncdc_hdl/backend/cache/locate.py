@@ -71,8 +71,10 @@ class Locate(wiring.Component):
         tile_x, tile_y = t.x0[_X_BITS:], t.y0[y_bits:]
         mask_x = Signal(set_bits(self.options))
         m.d.sync += mask_x.eq((1 << self.split) - 1)
-        with m.If(~t_valid | sets.i.ready):
-            m.d.comb += self.i.ready.eq(1)
+        # A register alone decides, also while this stage is empty: `ready` goes on to all stages
+        # that make boxes of a group.
+        m.d.comb += self.i.ready.eq(sets.i.ready)
+        with m.If(sets.i.ready):
             # A box is narrower and lower than a tile or two: the lowest bits decide.
             m.d.sync += [
                 t_valid.eq(self.i.valid), t.eq(self.i.payload),

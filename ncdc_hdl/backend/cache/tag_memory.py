@@ -115,7 +115,7 @@ class TagMemory(wiring.Component):
         m.d.comb += [
             read.addr.eq(bank_tile(self.entering, bank).set),
             read.en.eq(self.shift),
-            write.en.eq(self.clearing | (self.shift & self.leaving.need[bank])),
+            write.en.eq(self.clearing | (self.push & self.leaving.need[bank])),
             write.addr.eq(Mux(self.clearing, self.clear_set, leaving.set)),
             write.data.valid.eq(~self.clearing),
             write.data.pair_x.eq(leaving.pair_x),

@@ -119,7 +119,7 @@ class Tags(wiring.Component):
         a = Signal(lookup, reset_less=True)         # in stage A
         enters = Signal()                           # a look-up enters stage R with the next shift
         m.d.comb += [
-            self.i.ready.eq(act.shift & ~self.clearing.closed),
+            self.i.ready.eq(act.leave & ~self.clearing.closed),
             enters.eq(self.i.valid & ~self.clearing.closed),
         ]
         stages = ((r_valid, r), (l_valid, l), (c_valid, c), (d_valid, d), (a_valid, a))

@@ -71,7 +71,9 @@ class FencedReads(Wrapper):
             with m.If(enters & (level - leaves == k)):
                 m.d.sync += words[k].eq(self.command.words)
         always(m, ~dut.o.valid | (o.words == words[0]), "as_many_words")
-        free, held, aside = (inner(fragment, "relay", name) for name in ("free", "o", "aside"))
+        free, full, held, aside = (inner(fragment, "relay", name)
+                                   for name in ("free", "full", "o", "aside"))
+        always(m, full == ~free, "full_flag")
         always(m, level == dut.o.valid + ~free, "all_leave")
         always(m, free | dut.o.valid, "the_oldest_is_offered")
         always(m, free | (aside[ADDRESS_BITS:-1] == words[1]), "words_aside")

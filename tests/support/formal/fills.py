@@ -69,8 +69,10 @@ class FillSpace(_Fills):
         a_valid, row, o_valid, known, step = (
             inner(fragment, "requests", name)
             for name in ("a_valid", "row", "o__valid", "known", "step"))
-        relayed, free, offered, aside = (inner(fragment, "fence", "relay", name)
-                                         for name in ("o__valid", "free", "o", "aside"))
+        relayed, free, full, offered, aside = (
+            inner(fragment, "fence", "relay", name)
+            for name in ("o__valid", "free", "full", "o", "aside"))
+        always(m, full == ~free, "full_flag")
         # Words that will come: of tiles claimed and in the queue, in the stages of the requests,
         # of commands in the relay, of the command on the bus, owed by the memory.
         asked = Signal(range(16 * self.limit))

@@ -193,11 +193,11 @@ class Tokens(_Lookups):
             ("balance", "push", "owed", "oldest_valid", "b_valid"))
         a_valid = self.tags.act.valid
         ahead, memory = self.tags.forwarding, self.tags.memory
-        a_hit = inner(fragment, "tags", "act", "a_hit")
-        left, done, final = (inner(fragment, "tags", "claims", name)
-                             for name in ("left", "done", "final"))
-        o_valid, o, free, aside = (inner(fragment, "tags", "claims", "relay", name)
-                                   for name in ("o__valid", "o", "free", "aside"))
+        a_hit, a_misses = (inner(fragment, "tags", "act", name) for name in ("a_hit", "a_misses"))
+        left, done, final, bank = (inner(fragment, "tags", "claims", name)
+                                   for name in ("left", "done", "final", "bank"))
+        o_valid, o, free, full, aside = (inner(fragment, "tags", "claims", "relay", name)
+                                         for name in ("o__valid", "o", "free", "full", "aside"))
         level, space, numbers, retirals = (
             inner(fragment, "tags", "pending", name) for name in
             ("level", "space", "numbers", "retirals"))
@@ -212,7 +212,7 @@ class Tokens(_Lookups):
         always(m, self.tags.pending.more == Cat(level > k for k in range(EARLIER)), "more_flags")
         # Tiles still to be claimed: `need` is at the end of a look-up's tiles.
         banks = self.options.tag_banks
-        claiming, next_one, second = left[-banks:], o[-banks:], aside[-banks:]
+        claiming, next_one, second = left[-banks:] | bank, o[-banks:], aside[-banks:]
         claimed = -(Mux(done, 0, sum(claiming)) + Mux(o_valid, sum(next_one), 0)
                     + Mux(free, 0, sum(second)))
         for number, (there, own) in enumerate([(push, owed), *(
@@ -224,7 +224,11 @@ class Tokens(_Lookups):
         always(m, ahead.d_valid | ~memory.missing.any(), "missed_by_none")
         always(m, a_valid | ~self.tags.act.missing.any(), "claimed_for_none")
         always(m, a_hit == ~self.tags.act.missing.any(), "hit_flag")
+        always(m, a_misses == ~a_hit, "miss_flag")
+        always(m, full == ~free, "full_flag")
         always(m, done | claiming.any(), "some_to_claim")
+        always(m, done | (bank == claiming & -claiming), "lowest_to_claim")
+        always(m, done | ~(left[-banks:] & bank).any(), "others_to_claim")
         always(m, ~done | ~final, "final_one")
         always(m, done | (final == (sum(claiming) == 1)), "final_flag")
         always(m, ~o_valid | next_one.any(), "some_to_claim_next")

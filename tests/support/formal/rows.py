@@ -61,6 +61,8 @@ class Rows(Wrapper):
         shown = Signal()
         m.d.sync += shown.eq((self.camera_rows >= self.need) | (shown & ~self.start))
         if self.state:
+            for name, flag in (("c_empty", c_valid), ("o_empty", dut.o.valid)):
+                always(m, inner(fragment, name) == ~flag, name)
             always(m, (rows < self.need) | shown | (self.need == 0), "rows_are_shown")
             always(m, self.start | ~self.follow | (limit == 0) | Mux(
                 limit == MAX_SIZE, rows >= self.height, rows >= limit + self.needs.after),
