@@ -1,27 +1,15 @@
 """The memory model with rows and banks: every word comes in the clock that the rules give it."""
 
-import json
-import re
 from dataclasses import replace
 
 import pytest
 
-from cocotb_run import run_cocotb
-from memory_model import memory_model
+from memory_model import beats
 from ncdc_model.planner.memory_timing import ddr3, sdram
-from ncdc_sim.memory.timing import memory_settings
 from ncdc_sim.tools import SIMULATORS, SimulationError
 
 SDRAM_ROW = 4096 * 4        # bytes from a row to the next one of its bank
 DDR3_ROW = 2048 * 8
-
-
-def beats(memory, reads, writes=(), *, width=32, clocks=150, simulator="icarus", **options):
-    """Clocks of the beats of both ports; reads and writes: (port, clock, address, words)."""
-    log = run_cocotb(memory_model(width, **options), "dram_timing", simulator, seed=1,
-                     memory=memory_settings(memory, width, 2), reads=list(reads),
-                     writes=list(writes), clocks=clocks)
-    return json.loads(re.search(r"BEATS (.*)", log)[1])["beats"]
 
 
 # Times below: the sdram's controller schedules a command taken at clock t at t + 3. The memory

@@ -208,6 +208,7 @@ class _DramPort(_Port):
         self.fours = deque([0] * 4, 4)
         self.taken, self.last_command = set(), 0
         self.refresh_due = memory.refresh_interval
+        self.other_was_last = False     # the last read command scheduled was another reader's
 
     def _time(self, edge):
         return edge * self.multiply // self.divide
@@ -219,9 +220,10 @@ class _DramPort(_Port):
     def _serve(self, accepted, address, words):
         memory, word = self.memory, self.word
         end, from_edge = address + words * word, accepted + memory.controller_clocks
+        turn = self._turn           # of the command: its other accesses follow
         while address < end:
             upto = min(end, (address // memory.access_bytes + 1) * memory.access_bytes)
-            edge = self._turn(from_edge, accepted)
+            edge, turn = turn(from_edge, accepted), self._write_until
             length = self._length(address, upto)
             data = self._schedule(edge, address, length, False) + memory.cas_latency
             beats = (upto - address) // word
@@ -234,18 +236,32 @@ class _DramPort(_Port):
             self._turn(_NEVER, _NEVER, clock)
 
     def _turn(self, read_from, held_from, clock=_NEVER):
-        """As :meth:`_write_until`, with the reads of other hosts that may be scheduled earlier."""
+        """As :meth:`_write_until`, after the commands of other readers that come first: earlier
+        ones, and every other one of those that could go at once."""
         while self.read_next and not self._frame_written:
-            arrived, address, words = self.read_next
-            other_from = arrived + self.memory.controller_clocks
-            if other_from >= min(read_from, clock):
+            ready = max(self.scheduled + 1, self._edge(self.columns[0]))
+            own = max(ready, read_from)
+            other = max(ready, self.read_next[0] + self.memory.controller_clocks)
+            if other >= clock or own < other or own == other and self.other_was_last:
                 break
-            edge = self._write_until(other_from, arrived, clock)
+            if not self._serve_other(clock):
+                return clock
+        self.other_was_last = False
+        return self._write_until(read_from, held_from, clock)
+
+    def _serve_other(self, clock):
+        """Schedule the next command of another reader, unless that is at ``clock`` or later; return
+        whether it is."""
+        arrived = self.read_next[0]
+        while self.read_next and self.read_next[0] == arrived:
+            _, address, words = self.read_next
+            edge = self._write_until(arrived + self.memory.controller_clocks, arrived, clock)
             if edge >= clock:
-                return edge
+                return False
             self._schedule(edge, address, self._length(address, address + words * self.word), False)
             self.read_next = next(self.other_reads, None)
-        return self._write_until(read_from, held_from, clock)
+        self.other_was_last = True
+        return True
 
     def _write_until(self, read_from, held_from, clock=_NEVER):
         """Schedule writes until ``clock``, or until the turn of a read that may be scheduled from

@@ -30,8 +30,8 @@ def scaled(descriptor, size):
     """The :class:`Descriptor` of the same lens for corrected pictures of another size.
 
     The sensor has as many times more columns and rows as the corrected picture: each axis is
-    stretched. Weights and biases of the output layer are multiplied. Where a format in pixels
-    does not hold them, it has more integer bits.
+    stretched. A pixel shows the same point of the scene as the pixel of the trained picture at
+    its position. Where a format does not hold a larger number, it has more integer bits.
 
     Parameters
     ----------
@@ -54,17 +54,21 @@ def scaled(descriptor, size):
     sensor = tuple(round(side * factor) for side, factor in zip(old.distorted, times))
     geometry = _PlannedGeometry(*size, *sensor, old.bayer, old.fill, old.interpolation)
     real, factors = descriptor.network, np.array(sensor) / old.distorted
-    # Pixel centres are whole numbers: a picture begins half a pixel before the first one.
+    # Normalised coordinates are of the outermost pixels' centres, which are nearer to the border
+    # in a larger picture. Pixel centres are whole numbers: a picture begins half a pixel before.
+    reach = (np.array(size) - 1) / (times * (np.array(old.corrected) - 1))
     network = replace(
-        real, output_weights=real.output_weights * factors[:, None],
+        real, hidden_weights=real.hidden_weights * reach,
+        output_weights=real.output_weights * factors[:, None],
         output_biases=(real.output_biases + .5) * factors - .5,
         skip_weights=(None if real.skip_weights is None
-                      else real.skip_weights * factors[:, None]))
+                      else real.skip_weights * factors[:, None] * reach))
     rows = ((np.arange(size[1]) + .5) / times[1]).astype(int)
     valid = ValidRows(np.rint(descriptor.valid.spans[rows] * times[0]).astype(np.int64))
     formats = replace(descriptor.formats, **{
         name: _holding(getattr(descriptor.formats, name), values)
-        for name, values in (("output_weight", network.output_weights),
+        for name, values in (("hidden_weight", network.with_gamma(1).hidden_weights),
+                             ("output_weight", network.output_weights),
                              ("output_bias", network.output_biases),
                              ("skip_weight", network.skip_weights),
                              ("coordinate", np.array([max(sensor) + 1.]))) if values is not None})

@@ -167,8 +167,9 @@ def taken(geometry, hardware, memory, name, clock_mhz, camera, readers):
                                camera.frames_per_second)
     there = capacity(memory, clock_mhz)
     if there is not None and sum(found.values()) >= there:
-        raise InputError(f"{', '.join(found)} move {sum(found.values()) / 1e6:.0f} MB/s, the "
-                         f"memory {name} moves {there / 1e6:.0f} MB/s at most")
+        raise InputError(f"the traffic of {' and '.join(found)} is "
+                         f"{sum(found.values()) / 1e6:.0f} MB/s, the memory {name} moves "
+                         f"{there / 1e6:.0f} MB/s at most")
     return found, there
 
 
