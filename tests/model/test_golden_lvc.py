@@ -64,9 +64,11 @@ def test_the_worst_pattern_of_low_bits():
                    for x in range(1 << bits))
     for bits in range(8):
         assert _worst_pattern(bits) == largest(bits)
-    # Patterns like ...0101 are the worst: each bit more adds about a third.
-    assert [_worst_pattern(bits) for bits in (14, 15, 16)] == [
-        pytest.approx(bits / 3, abs=.5) for bits in (14, 15, 16)]
+    x, units = np.arange(1 << 16), 0                # of 2**-16
+    for i in range(1, 17):
+        low = x % (1 << i)
+        units = units + (np.minimum(low, (1 << i) - low) << 16 - i)
+    assert _worst_pattern(16) == units.max() / 2**16
     assert _worst_pattern(17) == _worst_pattern(16) + .5
     assert _worst_pattern(19) == _worst_pattern(16) + 1.5
 

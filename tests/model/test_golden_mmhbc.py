@@ -89,6 +89,9 @@ def test_tables_are_made_once():
 @pytest.mark.parametrize("parameters,message", [
     ((8, 13, 0), "region_bits is 0, the limits are 1 and 9"),
     ((8, 13, 10), "region_bits is 10, the limits are 1 and 9"),
+    ((8, 13, 11), "region_bits is 11, the limits are 1 and 9"),
+    ((8, 13, -1), "region_bits is -1, the limits are 1 and 9"),
+    ((8, 9, 3), "the last rotation shifts by 11, width 9 is the limit"),
     ((8, 10, 3), "the last rotation shifts by 11, width 10 is the limit")])
 def test_limits_of_the_parameters(parameters, message):
     with pytest.raises(InputError, match=message):
@@ -104,6 +107,9 @@ def test_parameters_at_their_limits():
 def test_published_parameters(bits):
     assert Loose.for_bits(bits) == Loose(Q(5, 19), bits, *PUBLISHED[bits])
     assert set(Loose._DEFAULTS) == set(PUBLISHED)
+    d = Loose.for_bits(bits)
+    rotations, digits = 19 - d.region_bits, bits + 1
+    assert (d.adders, d.stages) == (rotations + digits + 1, rotations + digits + 1)
 
 
 def test_the_bound_is_computed():
@@ -144,7 +150,10 @@ def by_columns(u, width, digits):
     (20, 25), *(pytest.param(*each, marks=pytest.mark.longer)
                 for each in ((16, 21), (18, 23), (22, 27), (22, 28)))])
 def test_few_entries_are_changed_and_each_is_needed(bits, width):
-    """An entry is the rounded exponential, or a unit next to it where a result decreases else."""
+    """An entry is the rounded exponential, or a unit next to it where a result decreases else.
+
+    The unit is subtracted if either does.
+    """
     d = Loose(Q(5, 19), bits, width, {16: 4, 18: 4, 20: 5, 22: 6}[bits])
     changed = {}
     for region, entry in enumerate(d.table):
@@ -154,5 +163,6 @@ def test_few_entries_are_changed_and_each_is_needed(bits, width):
     assert len(changed) == {21: 10, 23: 6, 25: 1, 27: 5, 28: 3}[width]
     for region, off in changed.items():
         assert abs(off) == 1 and not decreases(d, region, 0) and decreases(d, region, -off)
+        assert off < 0 or decreases(d, region, -2)
     other = replace(d, input=Q(5, 18))
     assert other.table == other.rounded_table

@@ -51,7 +51,7 @@ def test_pixels_find_their_nodes_and_are_rounded_once(nodes):
     assert lines[:, 0].tolist() == sorted(set(v.ravel()))
     # A value of 30 bits that depends on column and line in no simple way.
     table = (columns * 7919 + lines * 104_729) ** 2 % (1 << 30)
-    fine, coarse = Q(20, 14), Q(20, 10)
+    fine, coarse = Q(20, 14), Q(24, 6)
     sums = between(nodes_of(table), u, nodes)
     rounded = round_sums(sums, nodes, fine, coarse)
     for at in np.ndindex(u.shape):
@@ -60,7 +60,7 @@ def test_pixels_find_their_nodes_and_are_rounded_once(nodes):
                 for step in (-1, 0, 1, 2)]
         exact = exact_between(near, j, nodes)
         assert sums[at] == 4 * nodes**2 * exact
-        assert rounded[at] == min(floor(exact / 16 + Fraction(1, 2)), (1 << 29) - 1)
+        assert rounded[at] == min(floor(exact / 256 + Fraction(1, 2)), (1 << 29) - 1)
 
 
 @distances
@@ -79,7 +79,7 @@ def cubic(u, v):
 def test_the_real_map_between_nodes(nodes):
     """Points of a few rows, which share a grid, and scattered ones, which share none."""
     assert interpolated_map(cubic, 1) is cubic
-    v, u = (a.astype(float) for a in np.mgrid[3:6, -nodes:4 * nodes])
+    v, u = (a.astype(float) for a in np.mgrid[3:6, 3 - nodes:4 * nodes])
     rng = np.random.default_rng(1)
     scattered = rng.uniform(-nodes, 90 * nodes, 6), rng.uniform(0, 99, 6)
     seen = []
@@ -112,11 +112,12 @@ def test_curvature_is_the_largest_miss_of_every_fourth_row():
     assert curvature(back_map, geometry, everything) == {
         1: 0, **{nodes: pytest.approx(largest(nodes) * 300) for nodes in (8, 16, 32)}}
     assert curvature(back_map, geometry, everything, (8,)) == {8: pytest.approx(largest(8) * 300)}
-    # Rows 0 to 127 have no valid pixel, and rows 132 on neither.
-    spans = np.zeros((140, 4), int)
-    spans[128:132, 1] = 130
-    assert curvature(back_map, geometry, ValidRows(spans), (16,)) == {
-        16: pytest.approx(largest(16) * 129)}
+    # Four valid rows, the first of which is looked at.
+    for row in (0, 8, 72, 128, 136):
+        spans = np.zeros((140, 4), int)
+        spans[row:row + 4, 1] = 130
+        assert curvature(back_map, geometry, ValidRows(spans), (16,)) == {
+            16: pytest.approx(largest(16) * (row + 1))}
     assert curvature(back_map, geometry, ValidRows(0 * spans), (1, 16)) == {1: 0, 16: 0}
     narrow = Geometry(128, 140, 130, 140)
     assert set(curvature(back_map, narrow, ValidRows.everything(128, 140))) == {1, 8, 16}
@@ -126,4 +127,5 @@ def test_curvature_is_the_largest_miss_of_every_fourth_row():
 def test_the_largest_distance_within_the_limit():
     assert CURVATURE_LIMIT == .001
     assert largest_nodes({1: 0, 8: .001, 16: .00101, 32: .5}) == 8
+    assert largest_nodes({1: 0, 8: .0002, 16: .00101}) == 8
     assert largest_nodes({8: .0011, 16: .01}) == 8

@@ -129,6 +129,7 @@ def test_the_address_of_a_window(interpolation, core, offset):
     geometry, q = Geometry(8, 8, 11, 9, interpolation=interpolation), Q(14, 4)
     raw_x, raw_y = (a.ravel() for a in np.meshgrid(np.arange(-40, 16 * 13), [-17, 24, 40, 143]))
     *got, inside = window_address(raw_x, raw_y, geometry, q)
+    assert inside.dtype == bool
     for n in range(len(raw_x)):
         want, seen = [], True
         for raw, size in ((raw_x[n], 11), (raw_y[n], 9)):
@@ -160,30 +161,36 @@ def blended(corners, fx, fy, row_bits, unit_bits, crest):
     """A colour between four corners, exact but for what a row cuts off; equations (30)-(32)."""
     rows = []
     for left, right in corners:
-        colour = Fraction((1 << 5) - fx, 1 << 5) * left + Fraction(fx, 1 << 5) * right
-        colour /= 1 << unit_bits
+        colour = ((1 - fx) * left + fx * right) / (1 << unit_bits)
         rows.append(colour if row_bits is None else Fraction(floor(colour * (1 << row_bits)),
                                                              1 << row_bits))
-    total = Fraction((1 << 5) - fy, 1 << 5) * rows[0] + Fraction(fy, 1 << 5) * rows[1]
+    total = (1 - fy) * rows[0] + fy * rows[1]
     if crest:
         total += Fraction(crest, 1 << row_bits)
     return min(max(floor(total + Fraction(1, 2)), 0), 255)
 
 
+@pytest.mark.parametrize("f_bits", [5, 10])
 @pytest.mark.parametrize("interpolation,row_bits,unit_bits,crest", [
     (FAST, None, 1, 0), (GRADIENT, 6, 4, 0), (DIRECTIONAL, 6, 4, 1)])
-def test_blending_is_exact_but_for_what_a_row_cuts_off(interpolation, row_bits, unit_bits, crest):
+def test_blending_is_exact_but_for_what_a_row_cuts_off(interpolation, row_bits, unit_bits, crest,
+                                                       f_bits):
     count = 160
-    fx, fy = RNG.integers(0, 32, (2, count))
+    fx, fy = RNG.integers(0, 1 << f_bits, (2, count))
     quads = RNG.integers(-40 << unit_bits, 290 << unit_bits, (2, 2, 3, count))
     crests = crest * RNG.integers(-4000, 4000, count)
-    got = bilinear(quads, fx, fy, 5, interpolation, crests)
+    got = bilinear(quads, fx, fy, f_bits, interpolation, crests)
     assert got.dtype == np.uint8 and got.shape == (count, 3) and {0, 255} < set(got.ravel())
     for n in range(count):
         for colour in range(3):
-            assert got[n, colour] == blended(quads[:, :, colour, n].tolist(), int(fx[n]),
-                                             int(fy[n]), row_bits, unit_bits, int(crests[n]))
+            assert got[n, colour] == blended(
+                quads[:, :, colour, n].tolist(), *(Fraction(int(f[n]), 1 << f_bits)
+                                                   for f in (fx, fy)),
+                row_bits, unit_bits, int(crests[n]))
     if not crest:
-        np.testing.assert_array_equal(bilinear(quads, fx, fy, 5, interpolation), got)
+        np.testing.assert_array_equal(bilinear(quads, fx, fy, f_bits, interpolation), got)
     if interpolation == FAST:
-        np.testing.assert_array_equal(bilinear(quads, fx, fy, 5), got)
+        np.testing.assert_array_equal(bilinear(quads, fx, fy, f_bits), got)
+    rows = [part.reshape(*part.shape[:-1], 8, 20) for part in (quads, fx, fy, crests)]
+    np.testing.assert_array_equal(bilinear(*rows[:3], f_bits, interpolation, rows[3]),
+                                  got.reshape(8, 20, 3))

@@ -115,9 +115,15 @@ def test_tables_are_made_once():
 @pytest.mark.parametrize("parameters,message", [
     ((Q(5, 8), 6, (3, 2, 2), 20, 15), r"are \(3, 2, 2\), they must fall, below 8, for an input of"),
     ((Q(5, 8), 6, (3, 3, 1), 20, 15), r"are \(3, 3, 1\), they must fall, below 8"),
+    ((Q(5, 8), 6, (3, 1, 2), 20, 15), r"are \(3, 1, 2\), they must fall, below 8"),
+    ((Q(5, 8), 6, (3, 4, 1), 20, 15), r"are \(3, 4, 1\), they must fall, below 8"),
     ((Q(5, 8), 6, (8, 2, 1), 20, 15), r"are \(8, 2, 1\), they must fall, below 8"),
+    ((Q(5, 8), 6, (9, 2, 1), 20, 15), r"are \(9, 2, 1\), they must fall, below 8"),
+    ((Q(1, 8), 6, (3, 2, 1), 20, 15), "for an input of 3 integer bits or more"),
     ((Q(2, 8), 6, (3, 2, 1), 20, 15), "for an input of 3 integer bits or more"),
     ((Q(5, 8), 6, (3, 2, 1), 20, 6), "offset_bits is 6, the limits are 7 and 27"),
+    ((Q(5, 8), 6, (3, 2, 1), 20, 5), "offset_bits is 5, the limits are 7 and 27"),
+    ((Q(5, 8), 6, (3, 2, 1), 20, 29), "offset_bits is 29, the limits are 7 and 27"),
     ((Q(5, 8), 6, (3, 2, 1), 20, 28), "offset_bits is 28, the limits are 7 and 27")])
 def test_limits_of_the_parameters(parameters, message):
     with pytest.raises(InputError, match=message):
@@ -179,7 +185,8 @@ def drop(d, segments, entry, rows):
 @pytest.mark.longer
 @pytest.mark.parametrize("bits", PUBLISHED)
 def test_few_values_are_changed_and_each_is_needed(bits):
-    """With a change a step closer to none, a result decreases."""
+    """With a change a step closer to none, a result decreases. It does with the opposite of a
+    change upwards: downwards is preferred."""
     d = Loose.for_bits(bits)
     segments, rows = segments_of(d), [list(row) for row in d.coefficients]
     plain = [list(row) for row in d.fitted]
@@ -191,4 +198,6 @@ def test_few_values_are_changed_and_each_is_needed(bits):
         closer = [row[:] for row in rows]
         closer[k][0] -= 1 if off > 0 else -1
         assert drop(d, segments, k, closer)
+        closer[k][0] = rows[k][0] - 2 * off
+        assert off < 0 or drop(d, segments, k, closer)
     assert replace(d, input=Q(5, 18)).coefficients == replace(d, input=Q(5, 18)).fitted

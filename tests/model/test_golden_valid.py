@@ -17,10 +17,10 @@ from ncdc_model.golden.valid import (
 )
 from ncdc_spec.geometry import Geometry, ValidRows
 
-SMALL = Geometry(30, 20, 40, 32)
+SMALL = Geometry(30, 22, 40, 32)
 
 
-def near_by_loops(u, v, reach, width=30, height=20):
+def near_by_loops(u, v, reach, width=30, height=22):
     """Pixels at most ``reach`` from one of the whole points (u, v)."""
     return np.array([[any((x - a)**2 + (y - b)**2 <= reach**2 for a, b in zip(u, v))
                       for x in range(width)] for y in range(height)])
@@ -30,8 +30,8 @@ def near_by_loops(u, v, reach, width=30, height=20):
 def test_pixels_near_points(reach):
     """Points also outside the frame, as far as they reach in and farther, and not on pixels."""
     out = int(reach)
-    u = np.array([12, 13, 14, -out, 29 + out, 5, 24, -out - 1, 33 + out, 8, -90])
-    v = np.array([9, 9, 7, 4, 15, -out, 19 + out, 10, 3, -out - 1, 400])
+    u = np.array([12, 13, 14, -out, 29 + out, 5, 24, -out - 1, 33 + out, 8, 20, -90])
+    v = np.array([9, 9, 7, 4, 15, -out, 21 + out, 10, 3, -out - 1, 27, 400])
     hull = np.array([9.0, 9, 9]), np.array([9.0, 9, 9])         # of a single pixel
     got = Calibrated(u + .3, v - .4, np.resize(hull[0], len(u)), np.resize(hull[1], len(u)), reach)
     near = got.covering(SMALL).near
@@ -39,9 +39,9 @@ def test_pixels_near_points(reach):
     assert near.any() and not near.all()
     np.testing.assert_array_equal(
         got.mask(lambda u, v: (u + 2, v + 2), SMALL),
-        near | (np.indices((20, 30)).T == [7, 7]).all(axis=2).T)
+        near | (np.indices((22, 30)).T == [7, 7]).all(axis=2).T)
     far = Calibrated(u[-1:] + 0., v[-1:] + 0., hull[0][:1], hull[1][:1], reach).covering(SMALL)
-    assert far.near.shape == (20, 30) and far.near.dtype == bool and not far.near.any()
+    assert far.near.shape == (22, 30) and far.near.dtype == bool and not far.near.any()
     beyond = Calibrated(np.array([500.0]), np.array([5.0]), hull[0][:1], hull[1][:1], reach)
     assert not beyond.covering(SMALL).near.any()
 
@@ -57,9 +57,15 @@ def test_sources_in_the_hull_are_covered():
     where = slice(3, 5), slice(0, 6)
     np.testing.assert_array_equal(covering(where, at, rows, inside), want)
     assert want.any() and (inside & ~want).any()
+    assert covering(where, at, rows, inside).dtype == bool
     covering.near[3, 4] = covering.near[4, 5] = True            # but the latter has no source
     want[0, 4] = True
     np.testing.assert_array_equal(covering(where, at, rows, inside), want)
+    corners = np.array([0.0, 39, 39, 0]), np.array([0.0, 0, 31, 31])
+    everything = Calibrated(*corners, *corners, 0.0).covering(SMALL)
+    x, y = np.meshgrid(np.arange(40.0), np.arange(32.0))
+    first = np.zeros(x.shape, int)
+    assert everything((first, first), x, y, x >= 0).all()
 
 
 CELLS = np.arange(0.0, 12), np.arange(0.0, 14)
@@ -103,6 +109,7 @@ def test_the_pitch_is_the_median_of_all_photos_distances():
     assert grid_pitch([(0 * line, line), (line[:1], line[:1])]) == 2
     assert grid_pitch([(np.array([0.0, 3]), np.array([0.0, 4]))]) == 5
     assert grid_pitch([(line[:1], line[:1])]) == 0 and grid_pitch([]) == 0
+    assert grid_pitch([(line[:0], line[:0]), (line, 0 * line)]) == 2
     assert type(grid_pitch([(line, line)])) is float
 
 
@@ -189,7 +196,7 @@ def test_the_valid_mask_is_connected_inside_and_unfolded():
 
 
 def test_grown_and_lost_pixels():
-    mask = np.zeros((20, 30), bool)
+    mask = np.zeros((22, 30), bool)
     mask[[5, 15], [4, 22]] = True
     for distance in (1, 3, 4.5):
         np.testing.assert_array_equal(grown(mask, distance),
