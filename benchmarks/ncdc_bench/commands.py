@@ -7,6 +7,7 @@ from ncdc_bench.grid import command as grid
 from ncdc_bench.lines import command as lines
 from ncdc_bench.lot import command as lot
 from ncdc_bench.model import command as model
+from ncdc_bench.mutation import command as mutation
 from ncdc_bench.network import command as network
 from ncdc_bench.nodes import command as nodes
 from ncdc_bench.photos import command as photos
@@ -22,7 +23,7 @@ from ncdc_bench.window import command as window
 __all__ = ["BENCHES"]
 
 BENCHES = {"accuracy": accuracy, "calibration": calibration, "client": client, "grid": grid,
-           "lines": lines, "lot": lot, "model": model, "network": network, "nodes": nodes,
-           "photos": photos, "pictures": pictures, "synth": synth, "system": system,
-           "tansig": tansig, "throughput": throughput, "truth": truth, "view": view,
-           "window": window}
+           "lines": lines, "lot": lot, "model": model, "mutation": mutation, "network": network,
+           "nodes": nodes, "photos": photos, "pictures": pictures, "synth": synth,
+           "system": system, "tansig": tansig, "throughput": throughput, "truth": truth,
+           "view": view, "window": window}

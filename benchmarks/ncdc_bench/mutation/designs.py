@@ -1,0 +1,68 @@
+"""What is mutated, and which tests run on it."""
+
+import importlib
+import sys
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from ncdc_bench.mutation.netlist import ROOT
+from ncdc_spec.errors import InputError
+
+__all__ = ["Bench", "Design", "designs"]
+
+# Each design and its benches lie with the tests, which run the same benches without a mutant.
+_MODULES = ("core",)
+
+
+@dataclass(frozen=True)
+class Bench:
+    """A bench of a design.
+
+    Parameters
+    ----------
+    name : str
+    test : str
+        The test that runs it on the design as it is.
+    run : callable
+        Called with a Verilog text and further plusargs. Raises AssertionError or SimulationError
+        if the design is not as it must be.
+    """
+    name: str
+    test: str
+    run: Callable
+
+
+@dataclass(frozen=True)
+class Design:
+    """A component with its benches.
+
+    Parameters
+    ----------
+    name, top : str
+        Its name in the report; its top module.
+    make : callable
+        Makes the component.
+    benches : tuple of Bench
+        In the order in which they run until one fails.
+    """
+    name: str
+    top: str
+    make: Callable
+    benches: tuple
+
+
+def designs():
+    """All designs, by name.
+
+    Raises
+    ------
+    InputError
+        If the tests are not there: the command needs a checkout.
+    """
+    support = ROOT / "tests" / "support"
+    if not (support / "mutation").is_dir():
+        raise InputError(f"{support / 'mutation'} is missing: mutation needs a checkout")
+    if str(support) not in sys.path:
+        sys.path.append(str(support))
+    found = [importlib.import_module(f"mutation.{name}").DESIGN for name in _MODULES]
+    return {one.name: one for one in found}

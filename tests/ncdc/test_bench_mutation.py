@@ -1,0 +1,116 @@
+"""``ncdc bench mutation`` on a small counter: faults that a bench finds, and those of a hole in it.
+"""
+
+import pytest
+from amaranth import *
+from amaranth.lib import wiring
+from amaranth.lib.wiring import In, Out
+
+from ncdc.cli import main
+from ncdc_bench.mutation.designs import Bench, Design
+from ncdc_bench.mutation.equivalence import equivalent
+from ncdc_bench.mutation.score import BrokenBench, judge, rows, summary
+from ncdc_sim.runner import build, results_of
+from ncdc_spec.errors import InputError
+
+LIMIT = 11
+BENCH = """
+module bench (input wire clk);
+  reg rst = 1, en = 0, clear = 0;
+  reg [3:0] expected = 0;
+  integer clocks = 0, wrong = 0, seed = 1;
+  wire [3:0] o;
+  counter counter (.clk(clk), .rst(rst), .en(en), .clear(clear), .o(o));
+  always @(posedge clk) begin
+    clocks = clocks + 1;
+    if (clocks > 2 && o !== expected) wrong = wrong + 1;
+    if (rst || clear) expected = 0;
+    else if (en && expected != 11) expected = expected + 1;
+    rst <= clocks < 2 || clocks == 70;
+    en <= $urandom(seed) % 8 != 0;
+    clear <= `CLEARS && $urandom(seed) % 23 == 0;
+    if (clocks == 300) begin $display("RESULT wrong %0d", wrong); $finish; end
+  end
+endmodule
+module clocked;
+  reg clk = 0;
+  bench bench (.clk(clk));
+  always #5 clk = ~clk;
+endmodule
+"""
+
+
+class Counter(wiring.Component):
+    """Counts clocks with ``en`` up to a limit, until ``clear``."""
+    en: In(1)
+    clear: In(1)
+    o: Out(4)
+
+    def elaborate(self, platform):
+        m = Module()
+        with m.If(self.clear):
+            m.d.sync += self.o.eq(0)
+        with m.Elif(self.en & (self.o != LIMIT)):
+            m.d.sync += self.o.eq(self.o + 1)
+        return m
+
+
+def bench(name, clears=True, checks=True):
+    """A bench of the counter; without ``clears`` it never clears, without ``checks`` it is blind.
+    """
+    def run_it(verilog, more):
+        program = build("counter", "clocked", [("bench.v", BENCH), ("counter.v", verilog)],
+                        simulator="icarus", defines={"CLEARS": int(clears)})
+        results = results_of(program, dict(one.lstrip("+").split("=") for one in more))
+        assert not checks or results["wrong"] == 0
+    return Bench(name, "here", run_it)
+
+
+def verdicts_of(*benches, per_module=40):
+    return judge(Design("counter", "counter", Counter, benches), per_module=per_module)
+
+
+@pytest.mark.longer
+def test_a_hole_in_a_bench_is_found():
+    """What only a clear shows survives a bench that never clears."""
+    verdicts, _ = verdicts_of(bench("never clears", clears=False), bench("clears"))
+    last = [one.mutant for one in verdicts if one.by == "clears"]
+    assert any("`clear[0]`" in one.change and "test_bench_mutation.py:" in one.line for one in last)
+    [row] = rows(verdicts)
+    assert row["survived"] == 0 and row["killed"] + row["equivalent"] == row["mutants"] == 40
+    assert row["killed_by"]["never clears"] > 10
+
+
+@pytest.mark.longer
+def test_a_bench_that_checks_nothing_kills_nothing():
+    verdicts, mutated = verdicts_of(bench("blind", checks=False), per_module=12)
+    [row] = rows(verdicts)
+    assert row["killed"] == row["score"] == 0 and summary([row])["score"] == 0
+    assert len(row["survivors"]) == row["survived"] == row["mutants"] - row["equivalent"] > 6
+    # What is called equivalent no bench may kill.
+    strict = bench("strict")
+    for one in verdicts:
+        if one.by == "equivalent":
+            strict.run(mutated.verilog, (f"+mutant_select={one.mutant.number}",))
+            assert equivalent(mutated.netlist, one.mutant)
+
+
+def test_a_bench_that_fails_without_a_mutant_is_rejected():
+    def broken(verilog, more):
+        raise AssertionError("the golden picture is wrong")
+
+    with pytest.raises(BrokenBench, match="'broken' of counter fails without a mutant: the golden"):
+        verdicts_of(Bench("broken", "here", broken), per_module=2)
+
+
+def test_modules_that_there_are_not_are_named():
+    with pytest.raises(InputError, match="no_module is no module of counter, it has counter"):
+        judge(Design("counter", "counter", Counter, ()), per_module=2, modules=["no_module"])
+
+
+@pytest.mark.parametrize("arguments,message", [
+    (["--design", "lens"], "the design is lens, one of core"),
+    (["--per-module", "0"], "mutants per module are 0, the least is 1")])
+def test_wrong_arguments(arguments, message, capsys):
+    assert main(["bench", "mutation", *arguments]) == 2
+    assert message in capsys.readouterr().err
