@@ -144,8 +144,8 @@ class NodesToCoordinates(wiring.Component):
         # Slope: that of the group's first pixel.
         slope = self._sum(m, f"{name}_slope", segment.slope.shape(), self.advance, self.begins,
                           segment.slope, bend << exact_log2(2 * lanes))
-        bend, base = (later(f"late_{what}", value, _SUM_LATENCY - 1)
-                      for what, value in (("bend", bend), ("base", base)))
+        early = later("early_bend", bend, _SUM_LATENCY - 2)
+        bend, base = later("late_bend", early), later("late_base", base, _SUM_LATENCY - 1)
         # Parts: differences of the lanes' values to the first one's, and the next group's.
         if lanes == 1:
             parts, growth, clocks = [], slope, 0
@@ -153,8 +153,9 @@ class NodesToCoordinates(wiring.Component):
             parts, clocks = [later("part1", slope)], 1
             growth = later("growth", slope + bend) << 1
         else:
-            one, two, three = (later(f"sum{k}", slope + k * bend if k != 2 else slope + (bend << 1))
-                               for k in (1, 2, 3))
+            # Three times a number would be made of multiplier blocks.
+            bends = bend, bend << 1, later("bend3", early + (early << 1))
+            one, two, three = (later(f"sum{k}", slope + part) for k, part in enumerate(bends, 1))
             parts = [later("part1", slope, 2), later("part2", one << 1),
                      later("part3", two + (two << 1))]
             growth, clocks = later("growth", three << 2), 2

@@ -22,7 +22,8 @@ class Table(wiring.Component):
     Equal bit for bit to ``TableDesign.magnitude``, but for its constant last bit: floored to the
     result's bits, at most all ones. In each of the two products one factor is cut into its low 18
     bits and the others, so that each part fits a multiplier block of 18 x 18 bits. Two of these
-    fit one of 27 x 27. Timing: free-running, one value per clock, ``latency`` clocks.
+    fit one of 27 x 27. A part of two bits takes an adder instead of a block. Timing: free-running,
+    one value per clock, ``latency`` clocks.
 
     Parameters
     ----------
@@ -99,6 +100,11 @@ class Table(wiring.Component):
     def _product(m, name, factor, position, cut):
         """The low ``cut`` bits of ``factor``, and the others, times ``position``."""
         position = delay(m, position, 1, f"{name}_position")
-        return [delay(m, delay(m, part, 1, f"{name}{k}_factor") * position, _PRODUCT - 1,
+
+        def times(part):
+            if len(part) > 2:
+                return part * position
+            return sum((Mux(bit, position << k, 0) for k, bit in enumerate(part)), Const(0, 1))
+        return [delay(m, times(delay(m, part, 1, f"{name}{k}_factor")), _PRODUCT - 1,
                       f"{name}{k}_product")
                 for k, part in enumerate((factor[:cut], factor[cut:]))]
