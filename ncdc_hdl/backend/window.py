@@ -62,14 +62,19 @@ class WindowAddress(wiring.Component):
         # The stages move together: a `ready` path through all of them would be the longest
         # path of the core.
         move = Signal()
-        m.d.comb += [move.eq(~self.o.valid | self.o.ready), self.i.ready.eq(move)]
+        # Synthesis does not merge a flag with its complement: `ready` is `move`, but does not begin
+        # where all stages are moved.
+        o_empty = Signal(init=1)        # complement of `o.valid`
+        m.d.comb += [move.eq(~self.o.valid | self.o.ready),
+                     self.i.ready.eq(o_empty | self.o.ready)]
         with m.If(move):
             valid, flags = self.i.valid, Cat(self.i.p.first, self.i.p.last)
             for name in ("shifted", "compared"):
                 own_valid, own_flags = Signal(name=f"{name}_valid"), Signal(2, name=f"{name}_flags")
                 m.d.sync += [own_valid.eq(valid), own_flags.eq(flags)]
                 valid, flags = own_valid, own_flags
-            m.d.sync += [self.o.valid.eq(valid), Cat(self.o.p.first, self.o.p.last).eq(flags)]
+            m.d.sync += [self.o.valid.eq(valid), o_empty.eq(~valid),
+                         Cat(self.o.p.first, self.o.p.last).eq(flags)]
             for k, (i, o) in enumerate(zip(lanes_of(self.i.p), lanes_of(self.o.p))):
                 self._address(m, k, i, o, limits)
         return m
