@@ -71,8 +71,7 @@ class Locate(wiring.Component):
         tile_x, tile_y = t.x0[_X_BITS:], t.y0[y_bits:]
         mask_x = Signal(set_bits(self.options))
         m.d.sync += mask_x.eq((1 << self.split) - 1)
-        # A register alone decides, also while this stage is empty: `ready` goes on to all stages
-        # that make boxes of a group.
+        # A register alone decides: `ready` goes on to all stages that make boxes of a group.
         m.d.comb += self.i.ready.eq(sets.i.ready)
         with m.If(sets.i.ready):
             # A box is narrower and lower than a tile or two: the lowest bits decide.
@@ -98,7 +97,7 @@ class Locate(wiring.Component):
             m.d.comb += [position.mask.eq(t.mask), position.end.eq(t.end)]
         if "word" in position.shape().members:
             m.d.comb += [position.word.eq(t.x0[_X_BITS - len(position.word):]),
-            position.row.eq(t.y0)]
+                         position.row.eq(t.y0)]
         # The tile after an even one is in the same pair, that after an odd one in the next.
         # Not read back from ``o``: simulators treat a vector as one signal.
         set_x = [Signal(len(mask_x), name=f"set_x{odd}") for odd in range(2)]
