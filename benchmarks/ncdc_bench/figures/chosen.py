@@ -10,6 +10,7 @@ from dataclasses import dataclass
 
 from ncdc_bench.figures import chosen_maps
 from ncdc_bench.mutation.golden import score
+from ncdc_bench.synth.breakdown import totals
 
 __all__ = ["GROUPS", "Group", "groups_of"]
 
@@ -138,6 +139,23 @@ def _synth(report):
         "cells": row["alm"] if row["alm"] is not None else row.get("le"),
         **{name: row[key] for key, name in names.items()}, "seeds": seeds(row)}
         for row in report["rows"]}
+
+
+def _breakdown(report):
+    """Tables of ALMs or logic elements (``cells``) and of block RAMs (``ram``): a row for each
+    module below the top, with a field for each core."""
+    tables = {"cells": {}, "ram": {}}
+    cores = [_slug(run["variant"], run["target"]) for run in report["rows"]]
+    for core, run in zip(cores, report["rows"]):
+        for row in totals(run["modules"]):
+            if "." in row["path"]:
+                continue
+            cells = row["alm"] if row["alm"] is not None else row["le"]
+            for name, value in (("cells", cells), ("ram", row["ram_blocks"])):
+                module = tables[name].setdefault(row["path"] or "all", {
+                    "module": row["path"] or "all", **dict.fromkeys(cores)})
+                module[core] = value
+    return tables
 
 
 def _grid(report):
@@ -283,6 +301,7 @@ GROUPS = {
                          lambda report: not any(row["exhaustive"] for row in report["rows"])),
     "synth": Group("ncdc bench synth --json docs/evidence/synthesis.json",
                    ("block", "fmax_seeds_mhz"), _synth),
+    "breakdown": Group("ncdc bench synth --breakdown --block core", ("modules",), _breakdown),
     "grid": Group("ncdc bench grid tests/data/dots/dot_pattern_06.jpg", ("blur_px",), _grid),
     "pictures": Group("ncdc bench pictures rover.png street.jpg chessboard.jpg --set kodak "
                       "--set mcmaster", ("psnr_lanczos_db",), _pictures),

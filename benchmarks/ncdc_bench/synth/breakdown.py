@@ -74,21 +74,21 @@ class _Netlist:
         for name, cell in self.cells.items():
             for bit in _bits(cell, "input"):
                 self.readers[bit].append(name)
-        self.places = {}                                        # path by the cell's name
+        self.owners = {}                                        # path by the cell's name
 
     def rows(self):
         """The result of :func:`breakdown`."""
         for name, cell in self.cells.items():
             if not _is_lut(cell) or _LINE.search(cell["attributes"].get("src", "")):
-                self.places[name] = self._by_source(name, cell)
+                self.owners[name] = self._by_source(name, cell)
         for name in self.cells:
-            self._place(name)
+            self._assign(name)
         followed = paired(self.cells)
         cyclone_iv = any(cell["type"] in ("dffeas", "cycloneive_lcell_comb")
                          for cell in self.cells.values())
         sums = {path: Counter() for path in self.instances}
         for name, cell in self.cells.items():
-            sums[self.places[name]].update(_amounts(name, cell, followed))
+            sums[self.owners[name]].update(_amounts(name, cell, followed))
         return [{"path": path, "module": self.instances[path],
                  "alm": None if cyclone_iv else one["lut"] / 2,
                  "le": one["le"] if cyclone_iv else None, "lut": one["lut"], "ff": one["ff"],
@@ -127,23 +127,23 @@ class _Netlist:
             name = name.rpartition(".")[0]
         return name
 
-    def _place(self, name):
+    def _assign(self, name):
         """Find the instance of LUT ``name``, and of the LUTs after it, without recursion."""
         stack = [name]
         while stack:
             cell = self.cells[stack[-1]]
-            if stack[-1] in self.places:
+            if stack[-1] in self.owners:
                 stack.pop()
                 continue
             outputs = _bits(cell, "output")
             own = [self.named[bit] for bit in outputs if bit in self.named]
             readers = [] if own else [r for bit in outputs for r in self.readers[bit]]
-            unknown = [r for r in readers if r not in self.places]
+            unknown = [r for r in readers if r not in self.owners]
             if unknown and not set(unknown) & set(stack):
                 stack += unknown
                 continue
-            places = own or [self.places[r] for r in readers if r in self.places]
-            self.places[stack.pop()] = (Counter(places).most_common(1)[0][0] if places
+            found = own or [self.owners[r] for r in readers if r in self.owners]
+            self.owners[stack.pop()] = (Counter(found).most_common(1)[0][0] if found
                                         else self._prefix(name))
 
 

@@ -57,7 +57,7 @@ def run_breakdown(chosen, targets, args):
         if args.plots:
             plot_breakdown(picture, " ".join(run), rows)
         steps("done")
-    if not write_report({"tools": tool_versions(), "breakdowns": found}, args.json):
+    if not write_report({"tools": tool_versions(), "rows": found}, args.json):
         print("\n\n".join(f"{one['block']} {one['variant']} {one['target']}\n"
                           f"{breakdown_table(one['modules'])}" for one in found))
 
