@@ -142,20 +142,18 @@ def _synth(report):
 
 
 def _breakdown(report):
-    """Tables of ALMs or logic elements (``cells``) and of block RAMs (``ram``): a row for each
-    module below the top, with a field for each core."""
-    tables = {"cells": {}, "ram": {}}
+    """ALMs, or logic elements, of the modules below the top, the largest first: a row for each,
+    with a field for each core."""
     cores = [_slug(run["variant"], run["target"]) for run in report["rows"]]
+    modules = {}
     for core, run in zip(cores, report["rows"]):
         for row in totals(run["modules"]):
-            if "." in row["path"]:
-                continue
-            cells = row["alm"] if row["alm"] is not None else row["le"]
-            for name, value in (("cells", cells), ("ram", row["ram_blocks"])):
-                module = tables[name].setdefault(row["path"] or "all", {
-                    "module": row["path"] or "all", **dict.fromkeys(cores)})
-                module[core] = value
-    return tables
+            if "." not in row["path"]:
+                name = row["path"] or "all"
+                modules.setdefault(name, {"module": name, **dict.fromkeys(cores)})[core] = (
+                    row["alm"] if row["alm"] is not None else row["le"])
+    return {"cells": dict(sorted(modules.items(), key=lambda module: -max(
+        module[1][core] or 0 for core in cores)))}
 
 
 def _grid(report):
