@@ -143,7 +143,7 @@ def _parent(path):
 
 
 def _indented(row):
-    """The last name of a row's path, behind two blanks for each level."""
+    """The last name of a row's path, after two blanks for each level."""
     return "  " * _level(row) + (row["path"].rpartition(".")[2] or "all")
 
 
