@@ -31,8 +31,10 @@ def mac_core(phy, in_words=False):
         # the conversion to words and the crossing: ``ready`` would go through both in one clock.
         for way, position, domain, width in ((core.tx_datapath, -2, "eth_tx", phy.dw),
                                              (core.rx_datapath, 3, "eth_rx", _WIDTH)):
-            way.pipeline.insert(position, ClockDomainsRenamer(domain)(stream.Buffer(
-                eth_phy_description(width), pipe_valid=True, pipe_ready=True)))
+            buffer = ClockDomainsRenamer(domain)(stream.Buffer(
+                eth_phy_description(width), pipe_valid=True, pipe_ready=True))
+            way.submodules += buffer
+            way.pipeline.insert(position, buffer)
     return core
 
 
