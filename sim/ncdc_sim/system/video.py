@@ -58,5 +58,5 @@ def video_running(system, timing, light, *, clock_hz, verilog=None, **run):
         host.camera.put(CLOCK_LIMIT=frame // 2)
         host.camera.start()
         live.sensor_power(True)
-        kept = (1 << 12) - (1 << max(0, 12 - system.camera.bits))
-        yield Running(host, levelled(np.asarray(light.frames) & kept), frame)
+        mask = (1 << 12) - (1 << max(0, 12 - system.camera.bits))
+        yield Running(host, levelled(np.asarray(light.frames) & mask), frame)
