@@ -162,7 +162,8 @@ def test_verilog_that_does_not_compile():
 
 
 @pytest.mark.parametrize("options,message", [
-    ({"memory": "sram"}, "memory is 'sram', one of ideal, sdram, ddr3, ddr3-1066, hps, hostile, litedram"),
+    ({"memory": "sram"},
+     "memory is 'sram', one of ideal, sdram, ddr3, ddr3-1066, hps, hostile, litedram"),
     ({"simulator": "questa"}, "simulator is 'questa', one of verilator, icarus is needed"),
     ({"memory": "fixed:0:3"}, r"latency is 0\.\.0 clocks, the limits are 1")])
 def test_bad_options(options, message):

@@ -67,8 +67,8 @@ def video_system(size):
 @pytest.mark.longer
 def test_no_frame_of_four_samples_per_clock_is_skipped():
     """As many frames come as are corrected, without a pause that the camera did not make."""
-    size = width, height = 160, 32
-    system, timing = video_system(size), Timing(width, height, width + 40, height + 4, 594_000_000)
+    size = width, height = 160, 48
+    system, timing = video_system(size), Timing(width, height, width + 80, height + 4, 594_000_000)
     light = Light(np.random.default_rng(1).integers(0, 4096, (3, height, width), np.uint16))
     with video_running(system, timing, light, clock_hz=125_000_000, memory="ddr3@125") as camera:
         run = corrected_frames(camera, 4)
