@@ -3,6 +3,7 @@
 from ncdc_bench.accuracy import command as accuracy
 from ncdc_bench.calibration import command as calibration
 from ncdc_bench.client import command as client
+from ncdc_bench.cost import command as cost
 from ncdc_bench.grid import command as grid
 from ncdc_bench.lines import command as lines
 from ncdc_bench.lot import command as lot
@@ -22,8 +23,8 @@ from ncdc_bench.window import command as window
 
 __all__ = ["BENCHES"]
 
-BENCHES = {"accuracy": accuracy, "calibration": calibration, "client": client, "grid": grid,
-           "lines": lines, "lot": lot, "model": model, "mutation": mutation, "network": network,
-           "nodes": nodes, "photos": photos, "pictures": pictures, "synth": synth,
-           "system": system, "tansig": tansig, "throughput": throughput, "truth": truth,
-           "view": view, "window": window}
+BENCHES = {"accuracy": accuracy, "calibration": calibration, "client": client, "cost": cost,
+           "grid": grid, "lines": lines, "lot": lot, "model": model, "mutation": mutation,
+           "network": network, "nodes": nodes, "photos": photos, "pictures": pictures,
+           "synth": synth, "system": system, "tansig": tansig, "throughput": throughput,
+           "truth": truth, "view": view, "window": window}

@@ -4,9 +4,11 @@ from ncdc.cli.board_design import planner, print_rates, settings_of
 from ncdc.cli.common import write_report
 from ncdc.cli.field import field_lines, field_report
 from ncdc.cli.hardware import fixed_of
+from ncdc.cli.plan_system import parts_table
 from ncdc.cli.view_range import views_given
 from ncdc_boards.board import Request
 from ncdc_boards.catalogue import board_for
+from ncdc_model.planner.system import traffic
 from ncdc_spec.errors import InputError
 from ncdc_spec.registers.system_values import memory_bytes
 
@@ -15,6 +17,8 @@ __all__ = ["plan_board"]
 # What a board brings itself, and what plan has for it otherwise.
 _OURS = {"memory": "ddr3", "clock": None, "data_width": None, "to": "memory"}
 _OPTIONS = {"clock": "--core-mhz", "data_width": "--data-width"}
+# Options of a system of the user's own, or of pictures that were not trained.
+_NOT_OURS = "size", "camera_fps", "screen_fps", "network_mbps"
 
 
 def plan_board(args, descriptor):
@@ -23,6 +27,10 @@ def plan_board(args, descriptor):
         if getattr(args, name) != default:
             raise InputError(f"{_OPTIONS.get(name, '--' + name)} and --board {args.board} are "
                              f"given, the board has its own")
+    for name in _NOT_OURS:
+        if (value := getattr(args, name)) is not None:
+            raise InputError(f"--{name.replace('_', '-')} {value:{'' if name == 'size' else 'g'}} "
+                             f"and --board {args.board} are given, a board has its own system")
     if views_given(args):
         raise InputError(f"a range of views and --board {args.board} are given, boards have no "
                          f"view")
@@ -39,12 +47,14 @@ def plan_board(args, descriptor):
             f"with {'screen and ' * bool(design.mode)}camera, {args.rate:g} are asked for: "
             f"{_what_fits(budget, args)}")
     needed = memory_bytes(design.system.descriptor, design.system.hardware, design.system.stores)
+    parts = _traffic(budget)
     report = {"digest": descriptor.digest, "board": board.name,
               "mode": design.mode.name if design.mode else None,
               "clocks": [{"name": name, "target_mhz": mhz}
                          for name, mhz in design.clocks.targets().items()],
               "memory_bytes": needed, "memory_bytes_there": board.memory_bytes,
-              **board.rates(design), **field_report(setup, crop, descriptor.geometry)}
+              "parts": parts, **board.rates(design),
+              **field_report(setup, crop, descriptor.geometry)}
     if write_report(report, args.json):
         return
     shown = f", {design.mode.name}: pixel clock {design.clocks.pixel_mhz:.2f} MHz, " \
@@ -57,8 +67,17 @@ def plan_board(args, descriptor):
     for line in field_lines(setup, crop, descriptor.geometry):
         print(line)
     print_rates(report)
+    print(parts_table(parts))
     for line in filter(None, lines):
         print(line)
+
+
+def _traffic(budget):
+    """Traffic of the board's memory at the rate of the corrected frames, as of
+    :func:`ncdc_model.planner.system.traffic`; the share is of what the memory carries."""
+    return traffic({"camera, writes": budget.camera,
+                    "corrector": budget.frame * budget.corrected_per_second,
+                    **({"screen, reads": budget.screen} if budget.screen else {})}, budget.carried)
 
 
 def _what_fits(budget, args):

@@ -5,7 +5,8 @@ from ncdc.text_table import text_table
 from ncdc_model.planner.system import Readers, steady_camera, system_plan, taken
 from ncdc_spec.errors import InputError
 
-__all__ = ["add_system", "camera_of", "check_carried", "check_system", "system_lines", "system_of"]
+__all__ = ["add_system", "camera_of", "check_carried", "check_system", "parts_table",
+           "system_lines", "system_of"]
 
 
 def add_system(group):
@@ -98,10 +99,15 @@ def system_lines(system, planned, camera):
            f"next frames, {system.camera_fps:.1f} per second")
     yield (f"whole system on {planned.memory}{moves}: {system.frames_per_second:.1f} frames per "
            f"second, the {system.limited_by} is the limit")
-    parts = system.report()["parts"]
+    yield parts_table(system.report()["parts"])
+
+
+def parts_table(parts):
+    """Rows of :func:`ncdc_model.planner.system.traffic` as text, with their sum."""
+    shares = [part["share"] for part in parts]
     whole = {"part": "all", "mb_per_second": sum(part["mb_per_second"] for part in parts),
-             "share": None if system.capacity is None else sum(part["share"] for part in parts)}
-    yield text_table(_COLUMNS, [*parts, whole], left=1)
+             "share": None if None in shares else sum(shares)}
+    return text_table(_COLUMNS, [*parts, whole], left=1)
 
 
 _COLUMNS = (

@@ -76,6 +76,12 @@ def test_the_network_limits_a_stream_without_a_trace_in_memory(system_of):
     assert found.parts["corrector, reads"] == pytest.approx(50 * planned.misses * 64)
 
 
+def test_a_screen_on_the_stream_takes_each_picture_once(system_of):
+    found, _ = system_of("ideal", 100, "stream", 60)
+    assert found.limited_by == "screen" and found.frames_per_second == 60
+    assert list(found.parts) == ["camera, writes", "corrector, reads"]
+
+
 def test_the_corrector_limits_where_memory_never_waits(system_of):
     found, planned = system_of("ideal", 20_000, "stream")
     assert found.limited_by == "corrector"

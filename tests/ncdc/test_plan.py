@@ -170,3 +170,62 @@ def test_pixels_that_wait_for_nodes_are_in_the_plan(waiting, tmp_path, monkeypat
     far = plan(replace(waiting, nodes=16), Hardware(data_width=128, output="stream", lanes=4),
                "ideal", lambda chosen: Corrector(replace(waiting, nodes=16), chosen).timing)
     assert far.clocks < .9 * clocks
+
+
+@pytest.fixture
+def net(barrel, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    barrel.save("net.toml")
+    return "net.toml"
+
+
+def test_the_command_plans_another_size(net, capsys):
+    assert main(["plan", net, "--size", "640x480", "--to", "stream", "--json", "-"]) == 0
+    report = json.loads(capsys.readouterr().out)
+    assert (report["width"], report["height"], report["hardware_exists"]) == (640, 480, True)
+    assert report["misses"] > 640 * 480 / 64 / 2
+    # Flat, so that there are few rows to plan.
+    assert main(["plan", net, "--size", "5120x16", "--to", "stream"]) == 0
+    assert ("there is no hardware for 5120x16: coordinates, tags and size registers end at 4096 "
+            "pixels a side") in capsys.readouterr().out
+
+
+def test_the_command_plans_a_whole_system(net, capsys):
+    system = "--memory", "sdram", "--camera-fps", "200", "--screen-fps", "60"
+    assert main(["plan", net, *system, "--json", "-"]) == 0
+    report = json.loads(capsys.readouterr().out)
+    assert report["system"]["frames_per_second"] == report["camera_frames_per_second"] == 200
+    assert report["system"]["limited_by"] == "camera"
+    assert report["system"]["memory_mb_per_second"] == 400
+    rates = {row["part"]: row["mb_per_second"] for row in report["system"]["parts"]}
+    assert rates == pytest.approx({
+        "camera, writes": 200 * .0768, "corrector, writes": 200 * .3072,
+        "corrector, reads": 200 * .0768 * report["bytes_read_per_pixel"],
+        "screen, reads": 60 * .3072})
+    assert report["beside_camera_clocks_per_pixel"] > report["predicted_clocks_per_pixel"]
+    assert main(["plan", net, *system]) == 0
+    out = capsys.readouterr().out
+    assert ("whole system on sdram, which moves 400 MB/s: 200.0 frames per second, the camera is "
+            "the limit") in out
+    assert f"all                {sum(rates.values()):.1f}" in out
+
+
+@pytest.mark.parametrize("options,message", [
+    (["--size", "640"], "the size is '640', WxH is needed"),
+    (["--size", "9000x40"], "the width to plan is 9000, the limits are 8 and 8192"),
+    (["--size", "5120x16", "--follow"], "--size 5120x16 is given with --follow"),
+    (["--screen-fps", "60"], "--screen-fps 60 is of a whole system: --sensor NAME or --camera-fps"),
+    (["--network-mbps", "60"], "--network-mbps 60 is of a whole system"),
+    (["--camera-fps", "60", "--sensor", "mt9p031"], "--sensor mt9p031 and --camera-fps 60 are"),
+    (["--camera-fps", "0"], "the camera's rate is 0 frames per second"),
+    (["--camera-fps", "9000", "--memory", "sdram"],
+     "the traffic of camera is 691 MB/s, the memory sdram moves 400 MB/s at most"),
+    (["--camera-fps", "9", "--min-fps", "60"],
+     "9.0 frames per second are predicted for the whole system, whose camera is the limit, 60 are"),
+    (["--board", "de1-soc", "--size", "640x480"], "--size 640x480 and --board de1-soc are given"),
+    (["--board", "de1-soc", "--camera-fps", "9"], "--camera-fps 9 and --board de1-soc are given"),
+])
+def test_the_command_rejects(net, options, message, capsys):
+    assert main(["plan", net, *options]) == 2
+    error = capsys.readouterr().err
+    assert f"ncdc plan: {message}" in error and "Traceback" not in error

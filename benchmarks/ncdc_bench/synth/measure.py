@@ -27,7 +27,7 @@ from ncdc_bench.synth.blocks import ONLY, SPEEDS, component, traits
 from ncdc_hdl.export.verilog import module_verilog
 from ncdc_spec.builds import built, key_of
 
-__all__ = ["BROKEN_DOWN", "SIZES", "TARGETS", "block_rows", "breakdown_of"]
+__all__ = ["BROKEN_DOWN", "SIZES", "TARGETS", "block_rows", "breakdown_of", "cyclone"]
 
 TARGETS = ("ecp5", "cyclonev", "cycloneiv")
 BROKEN_DOWN = TARGETS[1:]
@@ -98,7 +98,7 @@ def block_rows(block, variant, targets=TARGETS, seeds=1, progress=lambda step: N
                 "fmax_mhz": round(median(clocks), 1), "fmax_seeds_mhz": clocks,
                 "fmax_plain_mhz": round(median(plain_clocks), 1) if plain else None}
         else:
-            figures = _cyclone(target, module_verilog(part, "block"), progress)
+            figures = cyclone(target, module_verilog(part, "block"), progress)
         names = _NAMES[target]
         rows.append({"block": block, "variant": variant, "target": target, "multiplier_bits": bits}
                     | traits(part)
@@ -138,7 +138,7 @@ def breakdown_of(block, variant, target, progress=lambda step: None):
         verilog, *map(inspect.getsource, (flow, module_tree, breakdown)), *SCRIPTS[target]], make)
 
 
-def _cyclone(target, verilog, progress):
+def cyclone(target, verilog, progress):
     """Figures of the Cyclone's flow for module ``block`` of ``verilog``, cached."""
     flow = _FLOWS[target]
     return _once(f"synth-{target}", [verilog, inspect.getsource(flow), *SCRIPTS[target]],

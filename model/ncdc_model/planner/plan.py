@@ -4,7 +4,7 @@ from dataclasses import dataclass, replace
 
 from ncdc_model.planner.lookups import frame_windows, lookups
 from ncdc_model.planner.memory_timing import memory_at
-from ncdc_model.planner.tags import accesses, misses
+from ncdc_model.planner.tags import accesses, miss_count, misses
 from ncdc_model.planner.timing import predict_clocks
 from ncdc_model.planner.traffic import distinct_bytes, live_tiles, worst_span
 from ncdc_model.planner.writes import frame_writes
@@ -223,7 +223,7 @@ def choose(windows, distinct, geometry, hardware, fixed=Fixed(), progress=lambda
         for j, cache in enumerate(caches):
             splits = range(cache.max_split + 1) if fixed.split is None else [fixed.split]
             found += [Choice(replace(hardware, cache=cache, split=split, strip=strip),
-                             len(misses(accessed, cache, split))) for split in splits]
+                             miss_count(accessed, cache, split)) for split in splits]
             progress((k * len(caches) + j + 1) / (len(strips) * len(caches)))
 
     def order(choice):
@@ -352,4 +352,4 @@ def best_split(descriptor, hardware):
     accessed = accesses(lookups(frame_windows(descriptor), hardware.strip, hardware.lanes))
     own = hardware.split_for(descriptor.geometry)
     return min(range(hardware.cache.max_split + 1),
-               key=lambda split: (len(misses(accessed, hardware.cache, split)), split != own))
+               key=lambda split: (miss_count(accessed, hardware.cache, split), split != own))

@@ -4,14 +4,16 @@ from dataclasses import dataclass
 from fractions import Fraction
 
 from ncdc_model.planner.memory_timing import DramMemory
-from ncdc_model.planner.with_camera import clocks_with_camera
+from ncdc_model.planner.with_camera import RunningFrame
 from ncdc_spec.errors import InputError
 from ncdc_spec.frames import frame_bytes, output_format
 from ncdc_spec.sensors.sensor import Timing
 
-__all__ = ["Readers", "SystemPlan", "capacity", "steady_camera", "system_plan", "taken"]
+__all__ = ["Readers", "SystemPlan", "capacity", "steady_camera", "system_plan", "taken",
+           "traffic"]
 
 _CAMERA, _CORRECTOR, _MEMORY, _NETWORK = "camera", "corrector", "memory", "network"
+_SCREEN = "screen"
 _WAITS = 1.02           # clocks of a frame over those without other traffic: memory is the limit
 
 _RATE_DENOMINATOR = 1 << 16     # of a reader's bytes per clock
@@ -42,16 +44,23 @@ class Readers:
             if value is not None and not 0 < value < float("inf"):
                 raise InputError(f"the {name}'s rate is {value:g} {unit}, it must be positive")
 
-    def network_fps(self, picture_bytes):
-        """Pictures of so many bytes that the network takes per second; None without one."""
-        return None if self.network_mbps is None else self.network_mbps * 1e6 / 8 / picture_bytes
+    def limits(self, picture_bytes, stream):
+        """Pictures of so many bytes per second that each reader takes at most, by name.
+
+        A screen that reads memory shows a picture as often as it likes; one on a ``stream`` takes
+        each picture once.
+        """
+        found = {_NETWORK: None if self.network_mbps is None
+                 else self.network_mbps * 1e6 / 8 / picture_bytes,
+                 _SCREEN: self.screen_fps if stream else None}
+        return {name: rate for name, rate in found.items() if rate is not None}
 
     def rates(self, picture_bytes, camera_fps):
-        """Bytes per second, by name, that are read of pictures of so many bytes, at most."""
-        network = self.network_fps(picture_bytes)
-        rates = {"screen": self.screen_fps,
-                 _NETWORK: None if network is None else min(network, camera_fps)}
-        return {name: rate * picture_bytes for name, rate in rates.items() if rate is not None}
+        """Bytes per second, by name, that are read from memory, at most."""
+        rates = {} if self.screen_fps is None else {_SCREEN: self.screen_fps}
+        rates |= {name: min(rate, camera_fps)
+                  for name, rate in self.limits(picture_bytes, False).items()}
+        return {name: rate * picture_bytes for name, rate in rates.items()}
 
 
 @dataclass(frozen=True)
@@ -62,8 +71,8 @@ class SystemPlan:
     ----------
     camera_fps, corrector_fps : float
         Frames per second that the camera sends, and that are corrected at most.
-    network_fps : float or None
-        Pictures per second that a network takes at most.
+    reader_fps : dict of str to float
+        Pictures per second that readers take at most, by name.
     clocks : int
         Of a frame, with all other traffic.
     waits : bool
@@ -75,7 +84,7 @@ class SystemPlan:
     """
     camera_fps: float
     corrector_fps: float
-    network_fps: float | None
+    reader_fps: dict
     clocks: int
     waits: bool
     parts: dict
@@ -84,9 +93,8 @@ class SystemPlan:
     @property
     def limits(self):
         """Frames per second that each part allows, by name."""
-        found = {_CAMERA: self.camera_fps, _MEMORY if self.waits else _CORRECTOR:
-                 self.corrector_fps, _NETWORK: self.network_fps}
-        return {name: rate for name, rate in found.items() if rate is not None}
+        return {_CAMERA: self.camera_fps,
+                _MEMORY if self.waits else _CORRECTOR: self.corrector_fps, **self.reader_fps}
 
     @property
     def limited_by(self):
@@ -103,9 +111,21 @@ class SystemPlan:
         return {"frames_per_second": self.frames_per_second, "limited_by": self.limited_by,
                 "limits_per_second": self.limits,
                 "memory_mb_per_second": None if self.capacity is None else self.capacity / 1e6,
-                "parts": [{"part": name, "mb_per_second": rate / 1e6,
-                           "share": None if self.capacity is None else rate / self.capacity}
-                          for name, rate in self.parts.items()]}
+                "parts": traffic(self.parts, self.capacity)}
+
+
+def traffic(parts, moved):
+    """Rows of a report: ``part``, ``mb_per_second`` and ``share`` of what the memory moves.
+
+    Parameters
+    ----------
+    parts : dict of str to float
+        Bytes per second, by part.
+    moved : float or None
+        Bytes per second that the memory moves; None: no limit, no share.
+    """
+    return [{"part": name, "mb_per_second": rate / 1e6,
+             "share": None if moved is None else rate / moved} for name, rate in parts.items()]
 
 
 def capacity(memory, clock_mhz):
@@ -203,12 +223,12 @@ def system_plan(descriptor, planned, memory, timing, camera, readers=Readers(), 
     reads, there = taken(geometry, hardware, memory, planned.memory, planned.clock_mhz, camera,
                          readers)
     writes, sends = reads.pop(_CAMERA), camera.frames_per_second
-    clocks = clocks_with_camera(
-        descriptor, hardware, memory, timing, camera, Fraction(hz) / camera.pixel_clock_hz, view,
-        [Fraction(rate / hz).limit_denominator(_RATE_DENOMINATOR) for rate in reads.values()],
-        progress)
-    network = readers.network_fps(picture)
-    rate = min(sends, hz / clocks, *([] if network is None else [network]))
+    rates = [Fraction(rate / hz).limit_denominator(_RATE_DENOMINATOR) for rate in reads.values()]
+    clocks = RunningFrame(descriptor, hardware, memory, timing, camera,
+                          Fraction(hz) / camera.pixel_clock_hz, view,
+                          tuple(filter(None, rates))).clocks(progress)
+    limits = readers.limits(picture, hardware.stream)
+    rate = min(sends, hz / clocks, *limits.values())
     if _NETWORK in reads:
         reads[_NETWORK] = rate * picture
     parts = {"camera, writes": writes,
@@ -216,5 +236,5 @@ def system_plan(descriptor, planned, memory, timing, camera, readers=Readers(), 
     if not hardware.stream:
         parts["corrector, writes"] = picture * rate
     parts |= {f"{name}, reads": each for name, each in reads.items()}
-    return SystemPlan(sends, hz / clocks, network, clocks,
+    return SystemPlan(sends, hz / clocks, limits, clocks,
                       clocks > _WAITS * planned.unhindered, parts, there)

@@ -8,7 +8,7 @@ from ncdc_model.planner.lookups import pieces
 from ncdc_spec.cache_options import TILE_WIDTH
 from ncdc_spec.interpolation import FAST, Interpolation
 
-__all__ = ["Accesses", "Misses", "accesses", "misses"]
+__all__ = ["Accesses", "Misses", "accesses", "miss_count", "misses"]
 
 _TX = TILE_WIDTH.bit_length() - 1
 _ROW = 12              # bits of a tile's column in its number
@@ -130,12 +130,9 @@ def misses(accessed, options, split):
         If the cache has no such split.
     """
     options.check_split(split)
-    kx, ky = 1 << split, options.sets >> split
-    across = options.tile_rows.bit_length() - 1
     found = []
     for bank, (first, last, tile) in enumerate(accessed.banks):
-        column, row = tile & ((1 << _ROW) - 1), tile >> _ROW
-        slot = ((row >> across & (ky - 1)) * kx + (column >> 1 & (kx - 1))).astype(np.uint16)
+        slot = _slots(tile, options, split)
         order = np.argsort(slot, kind="stable")
         same_slot = np.diff(slot[order], prepend=slot[order[:1]] + 1) == 0
         missed = ~same_slot | (np.diff(tile[order], prepend=-1) != 0)
@@ -145,3 +142,22 @@ def misses(accessed, options, split):
     lookup, bank, tile, victim = (np.concatenate(part, dtype=np.int64) for part in zip(*found))
     order = np.lexsort((bank, lookup))
     return Misses(lookup[order], bank[order], tile[order], victim[order])
+
+
+def miss_count(accessed, options, split):
+    """Number of :func:`misses`; parameters and errors are theirs."""
+    options.check_split(split)
+    count = 0
+    for _, _, tile in accessed.banks:
+        # Equal tiles have equal slots.
+        by_slot = tile[np.argsort(_slots(tile, options, split), kind="stable")]
+        count += np.count_nonzero(np.diff(by_slot, prepend=-1))
+    return int(count)
+
+
+def _slots(tile, options, split):
+    """Slot in its bank of each tile, uint16."""
+    kx, ky = 1 << split, options.sets >> split
+    across = options.tile_rows.bit_length() - 1
+    column, row = tile & ((1 << _ROW) - 1), tile >> _ROW
+    return ((row >> across & (ky - 1)) * kx + (column >> 1 & (kx - 1))).astype(np.uint16)

@@ -1,28 +1,34 @@
 """Clocks of a frame while a camera writes to the same memory, the next frames or, with early start,
 the same one, and while readers take earlier pictures from it."""
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from fractions import Fraction
 from math import ceil
 
 from ncdc_model.planner.camera_writes import CameraWrites
+from ncdc_model.planner.corrector_timing import CorrectorTiming
 from ncdc_model.planner.follow import follow_bound
 from ncdc_model.planner.lookups import frame_windows, lookups
 from ncdc_model.planner.reader_reads import SteadyReads, with_reads
 from ncdc_model.planner.tags import accesses, misses
 from ncdc_model.planner.timing import predict_clocks
 from ncdc_model.planner.writes import frame_writes
+from ncdc_spec.descriptor import Descriptor
 from ncdc_spec.frames import FrameAddresses, output_format, target_bytes
+from ncdc_spec.hardware import Hardware
 from ncdc_spec.registers.system_values import stores_for, system_values
+from ncdc_spec.sensors.sensor import Timing
+from ncdc_spec.view import View
 
-__all__ = ["clocks_with_camera", "follow_bound_with_camera"]
+__all__ = ["RunningFrame", "clocks_with_camera", "follow_bound_with_camera"]
 
 _READERS = 2            # of the system: they determine the addresses of its buffers
 _QUEUE = 20             # clocks from a sample at the pins to its burst, approximate
 
 
-def clocks_with_camera(descriptor, hardware, memory, timing, sensor, ratio, view=None, rates=(),
-                       progress=lambda done, total: None):
-    """Clocks of a frame in a running system while the camera sends the next frames.
+@dataclass(frozen=True)
+class RunningFrame:
+    """A frame in a running system while the camera sends the next ones.
 
     The frame begins when its raw frame is complete; the next ones go to another buffer. Readers
     have earlier corrected frames. Buffers are at their addresses after a reset.
@@ -41,26 +47,46 @@ def clocks_with_camera(descriptor, hardware, memory, timing, sensor, ratio, view
         What the corrected frame shows; the trained picture by default.
     rates : sequence of Fraction
         Bytes per clock that each reader of corrected frames in memory takes.
-    progress : callable
-        Called with (misses done, misses).
     """
-    geometry, word = descriptor.geometry, hardware.data_width // 8
-    picture = view.geometry(geometry) if view else geometry
-    values = system_values(descriptor, hardware, stores_for(hardware, _READERS))
-    addresses = _addresses(values)
-    block = getattr(memory, "access_bytes", 1)
-    boxes = lookups(frame_windows(descriptor, view=view), hardware.strip, hardware.lanes)
-    missed = misses(accesses(boxes), hardware.cache, hardware.split)
-    writes = None if hardware.stream else frame_writes(picture, hardware, block, addresses.target,
-                                                       timing)
-    camera = CameraWrites.of(sensor, ratio, geometry, values["RAW1_BASE"], addresses.pitch,
-                             burst=timing.write_burst, latency=_QUEUE - timing.start)
-    size = target_bytes(picture, hardware.data_width, output_format(hardware.format))
-    readers = [SteadyReads(values[f"CORRECTED{1 + k}_BASE"], size, rate)
-               for k, rate in enumerate(rates)]
-    traffic = with_reads(camera.merged_with(writes, word, block), readers, word, block)
-    return predict_clocks(missed, boxes, hardware, memory, timing, addresses, traffic,
-                          progress).clocks
+    descriptor: Descriptor
+    hardware: Hardware
+    memory: object
+    timing: CorrectorTiming
+    sensor: Timing
+    ratio: Fraction
+    view: View | None = None
+    rates: tuple = ()
+
+    def clocks(self, progress=lambda done, total: None):
+        """Clocks of the frame; ``progress(done, total)`` counts misses."""
+        hardware, timing = self.hardware, self.timing
+        values = system_values(self.descriptor, hardware, stores_for(hardware, _READERS))
+        boxes = lookups(frame_windows(self.descriptor, view=self.view), hardware.strip,
+                        hardware.lanes)
+        missed = misses(accesses(boxes), hardware.cache, hardware.split)
+        return predict_clocks(missed, boxes, hardware, self.memory, timing, _addresses(values),
+                              self._traffic(values), progress).clocks
+
+    def _traffic(self, values):
+        """All accesses to memory but the reads of raw windows, with the addresses ``values``."""
+        geometry, hardware = self.descriptor.geometry, self.hardware
+        picture = self.view.geometry(geometry) if self.view else geometry
+        word, block = hardware.data_width // 8, getattr(self.memory, "access_bytes", 1)
+        addresses = _addresses(values)
+        writes = None if hardware.stream else frame_writes(picture, hardware, block,
+                                                           addresses.target, self.timing)
+        camera = CameraWrites.of(self.sensor, self.ratio, geometry, values["RAW1_BASE"],
+                                 addresses.pitch, burst=self.timing.write_burst,
+                                 latency=_QUEUE - self.timing.start)
+        size = target_bytes(picture, hardware.data_width, output_format(hardware.format))
+        readers = [SteadyReads(values[f"CORRECTED{1 + k}_BASE"], size, rate)
+                   for k, rate in enumerate(self.rates)]
+        return with_reads(camera.merged_with(writes, word, block), readers, word, block)
+
+
+def clocks_with_camera(descriptor, hardware, memory, timing, sensor, ratio):
+    """Clocks of a :class:`RunningFrame` without readers; parameters are its."""
+    return RunningFrame(descriptor, hardware, memory, timing, sensor, ratio).clocks()
 
 
 def follow_bound_with_camera(descriptor, hardware, memory, timing, sensor, ratio):
