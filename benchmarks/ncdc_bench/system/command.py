@@ -25,7 +25,7 @@ def add_arguments(parser):
     which.add_argument("--quick", action="store_true", help="no frames above 640x480: minutes")
     which.add_argument("--uhd", action="store_true",
                        help="only a camera of 3840x2160 at 60 frames per second, four samples and "
-                            "four pixels per clock: an hour")
+                            "four pixels per clock: minutes")
     add_json(parser)
 
 
