@@ -328,7 +328,8 @@ GROUPS = {
                    ("lines_missed", "straightness_rms_px"), chosen_maps.lines),
     "nodes": Group("ncdc bench nodes", ("curvature_px", "added_max_px"), chosen_maps.nodes),
     "view": Group("ncdc bench view", ("steadiness",), _view),
-    "mutation_model": Group("ncdc bench mutation --model", ("killed", "tests"), _mutation_model),
+    "mutation_model": Group("python -m ncdc_bench.mutation.golden --per-module 150",
+                            ("killed", "tests"), _mutation_model),
 }
 
 

@@ -5,6 +5,7 @@ tests of a module run on each of its mutants, in a process of its own (:mod:`gol
 Mutants that are equivalent to the module are listed with a reason in ``golden_equivalent.toml``.
 """
 
+import argparse
 import json
 import math
 import random
@@ -16,14 +17,16 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
-from ncdc.cli.common import write_report
+from ncdc.cli.common import add_json, write_report
 from ncdc.terminal import Progress
 from ncdc.text_table import text_table
 from ncdc_spec.errors import InputError
 from ncdc_spec.needs import pip_line
 
-__all__ = ["MODULES", "Module", "Mutant", "golden_rows", "mutants_of", "run_golden", "score",
+__all__ = ["MIN_SCORE", "MODULES", "Module", "Mutant", "golden_rows", "main", "mutants_of", "score",
            "table"]
+
+MIN_SCORE = .95             # share of the mutants killed, equivalent ones left out
 
 _ROOT = Path(__file__).parents[3]
 _LIST = Path(__file__).with_name("golden_equivalent.toml")
@@ -124,7 +127,7 @@ def mutants_of(text, number=None, seed=1):
     """Mutants of a module's ``text``, in the order of its lines: a list of :class:`Mutant`.
 
     ``number``: how many, chosen at random by the ``seed``; all if it is None, or if there are
-    fewer.
+    fewer. A larger number has the mutants of a smaller one.
 
     Raises
     ------
@@ -132,18 +135,17 @@ def mutants_of(text, number=None, seed=1):
         If Cosmic Ray is not installed.
     """
     sites = _sites(text)
-    if number is not None and number < len(sites):
-        sites = random.Random(seed).sample(sites, number)
-    return [_mutant(text, *site) for site in sorted(sites, key=lambda site: site[2])]
+    random.Random(seed).shuffle(sites)
+    return [_mutant(text, *site) for site in sorted(sites[:number], key=lambda site: site[2])]
 
 
 def _mutant(text, operator, occurrence, line):
     from cosmic_ray.mutating import mutate_code
     changed = mutate_code(text, operator, occurrence)
     before, after = text.splitlines(), changed.splitlines()
-    kept = len(before) == len(after)
+    same_lines = len(before) == len(after)
     return Mutant(line, *(" ".join(part.split()) for part in
-                          (before[line - 1], after[line - 1] if kept else "")), changed)
+                          (before[line - 1], after[line - 1] if same_lines else "")), changed)
 
 
 def _equivalents(module):
@@ -197,7 +199,7 @@ def golden_rows(progress=lambda fraction, note="": None, names=tuple(MODULES), n
     ------
     InputError
         If Cosmic Ray is not installed, the tests fail without a mutant, or the list of equivalent
-        mutants has one that a test kills or that does not exist.
+        mutants has one that a test kills, or (if all mutants are made) one that does not exist.
     """
     rows = []
     for k, name in enumerate(names):
@@ -262,12 +264,29 @@ def table(rows):
                       *lines])
 
 
-def run_golden(number=None, seed=1, target=None):
-    """Test all modules, with progress on stderr; print the table, and write JSON to ``target``.
-
-    ``number``, ``seed``: as of :func:`mutants_of`. ``target``: a file, "-" for stdout instead of
-    the table, None for neither.
-    """
-    rows = golden_rows(Progress("mutants of the model"), number=number, seed=seed)
-    if not write_report({"rows": rows}, target):
+def main(arguments=None):
+    """Test mutants of the golden model; 1 if the score is below its limit, 2 for a bad option."""
+    parser = argparse.ArgumentParser(prog="python -m ncdc_bench.mutation.golden",
+                                     description="change the golden model, one operator or number "
+                                     "at a time, and count the changes that its tests find")
+    parser.add_argument("--module", nargs="+", choices=MODULES, default=list(MODULES),
+                        metavar="NAME", help=f"of {', '.join(MODULES)} (default: all)")
+    parser.add_argument("--per-module", type=int, metavar="N",
+                        help="mutants of each module, at random (default: all)")
+    parser.add_argument("--seed", type=int, default=1, metavar="N", help="of them (default: 1)")
+    add_json(parser)
+    args = parser.parse_args(arguments)
+    if args.per_module is not None and args.per_module < 1:
+        parser.error(f"--per-module is {args.per_module}, 1 or more is needed")
+    try:
+        rows = golden_rows(Progress("mutants"), args.module, args.per_module, args.seed)
+    except InputError as error:
+        print(f"mutation of the model: {error}", file=sys.stderr)
+        return 2
+    if not write_report({"seed": args.seed, "rows": rows}, args.json):
         print(table(rows))
+    return int(score(rows) < MIN_SCORE)
+
+
+if __name__ == "__main__":
+    sys.exit(main())
