@@ -127,7 +127,7 @@ def mutants_of(text, number=None, seed=1):
     """Mutants of a module's ``text``, in the order of its lines: a list of :class:`Mutant`.
 
     ``number``: how many, chosen at random by the ``seed``; all if it is None, or if there are
-    fewer. A larger number has the mutants of a smaller one.
+    fewer.
 
     Raises
     ------
@@ -135,8 +135,9 @@ def mutants_of(text, number=None, seed=1):
         If Cosmic Ray is not installed.
     """
     sites = _sites(text)
-    random.Random(seed).shuffle(sites)
-    return [_mutant(text, *site) for site in sorted(sites[:number], key=lambda site: site[2])]
+    if number is not None and number < len(sites):
+        sites = random.Random(seed).sample(sites, number)
+    return [_mutant(text, *site) for site in sorted(sites, key=lambda site: site[2])]
 
 
 def _mutant(text, operator, occurrence, line):
@@ -283,7 +284,8 @@ def main(arguments=None):
     except InputError as error:
         print(f"mutation of the model: {error}", file=sys.stderr)
         return 2
-    if not write_report({"seed": args.seed, "rows": rows}, args.json):
+    report = {"seed": args.seed, "per_module": args.per_module, "rows": rows}
+    if not write_report(report, args.json):
         print(table(rows))
     return int(score(rows) < MIN_SCORE)
 
