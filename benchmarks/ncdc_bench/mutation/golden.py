@@ -23,8 +23,8 @@ from ncdc.text_table import text_table
 from ncdc_spec.errors import InputError
 from ncdc_spec.needs import pip_line
 
-__all__ = ["MIN_SCORE", "MODULES", "Module", "Mutant", "golden_rows", "main", "mutants_of", "score",
-           "table"]
+__all__ = ["MIN_SCORE", "MODULES", "Module", "Mutant", "golden_rows", "main", "mutants_of",
+           "run_golden", "score", "table"]
 
 MIN_SCORE = .95             # share of the mutants killed, equivalent ones left out
 
@@ -265,6 +265,18 @@ def table(rows):
                       *lines])
 
 
+def run_golden(names, number, seed, target):
+    """Test mutants with progress on stderr, and print the table; 1 if the score is below its limit.
+
+    ``names``, ``number``, ``seed``: as of :func:`golden_rows`. ``target``: a file for the report as
+    JSON, "-" for stdout instead of the table, or None.
+    """
+    rows = golden_rows(Progress("mutants"), names, number, seed)
+    if not write_report({"seed": seed, "per_module": number, "rows": rows}, target):
+        print(table(rows))
+    return int(score(rows) < MIN_SCORE)
+
+
 def main(arguments=None):
     """Test mutants of the golden model; 1 if the score is below its limit, 2 for a bad option."""
     parser = argparse.ArgumentParser(prog="python -m ncdc_bench.mutation.golden",
@@ -280,14 +292,10 @@ def main(arguments=None):
     if args.per_module is not None and args.per_module < 1:
         parser.error(f"--per-module is {args.per_module}, 1 or more is needed")
     try:
-        rows = golden_rows(Progress("mutants"), args.module, args.per_module, args.seed)
+        return run_golden(args.module, args.per_module, args.seed, args.json)
     except InputError as error:
         print(f"mutation of the model: {error}", file=sys.stderr)
         return 2
-    report = {"seed": args.seed, "per_module": args.per_module, "rows": rows}
-    if not write_report(report, args.json):
-        print(table(rows))
-    return int(score(rows) < MIN_SCORE)
 
 
 if __name__ == "__main__":
