@@ -38,6 +38,7 @@ __all__ = ["BLOCKS", "ONLY", "SPEEDS", "component", "traits"]
 
 _GEOMETRY = Geometry(1280, 1024, 1280, 1024)
 _SCREEN = Geometry(640, 480, 640, 480)     # what boards show
+_UHD = Geometry(3840, 2160, 3840, 2160)
 _CACHE = CacheOptions.of_bytes(32 << 10)
 _GRADIENT_CACHE = CacheOptions.of_bytes(32 << 10, GRADIENT)
 _DIRECTIONAL_CACHE = CacheOptions.of_bytes(32 << 10, DIRECTIONAL)
@@ -115,6 +116,14 @@ def _four_lanes(variant, interpolation=FAST, cache_bytes=_CACHE.bytes):
     return _core(16, variant, _NODES, cache_bytes, interpolation, lanes=4, data_width=128)
 
 
+def _uhd(bits):
+    """The core of ``ncdc bench system --uhd``: 3840 x 2160 pixels, 60 times a second at 125 MHz."""
+    cache = replace(CacheOptions.of_bytes(128 << 10, GRADIENT), pending=256, outstanding=64)
+    return Corrector(_descriptor(16, "table", 32, GRADIENT, _UHD),
+                     Hardware(multiplier_bits=bits, data_width=128, output="stream", lanes=4,
+                              cache=cache))
+
+
 def _board(name):
     return lambda bits: board_core(name, _descriptor(8, "table", _NODES, GRADIENT, _SCREEN))
 
@@ -183,6 +192,7 @@ BLOCKS = {
              "HN 16, nodes, table, gradient": _core(16, "table", _NODES, interpolation=GRADIENT),
              "HN 16, nodes, table, directional": _core(16, "table", _NODES,
                                                        interpolation=DIRECTIONAL),
+             "HN 16, 3840x2160 at 60": _uhd,
              "HN 16, nodes, 4 lanes": _four_lanes("mmhbc"),
              "HN 16, nodes, 4 lanes, table": _four_lanes("table"),
              "HN 16, nodes, 4 lanes, table, gradient": _four_lanes("table", GRADIENT, 64 << 10)},
