@@ -74,16 +74,20 @@ class Fixed:
     def caches(self, interpolation=FAST, width=0):
         """Tile caches to choose from for a corrected picture ``width`` pixels wide, the smallest
         first: list of CacheOptions."""
-        given = {name: getattr(self, name) for name in ("pending", "outstanding")
-                 if getattr(self, name) is not None}
         there = (*CACHE_BYTES, LARGE_CACHE_BYTES) if width > MAX_SIZE else CACHE_BYTES
-        sizes = [replace(CacheOptions.of_bytes(size, interpolation), **given) for size in
+        sizes = [CacheOptions.of_bytes(size, interpolation) for size in
                  (there if self.cache_bytes is None else [self.cache_bytes])]
         if self.split is None:
-            return sizes
+            return self._deep(sizes)
         if self.cache_bytes is not None:
             sizes[0].check_split(self.split)
-        return [cache for cache in sizes if 0 <= self.split <= cache.max_split]
+        return self._deep(cache for cache in sizes if 0 <= self.split <= cache.max_split)
+
+    def _deep(self, caches):
+        """List of ``caches`` with as many look-ups and tiles under way as are given."""
+        given = {name: getattr(self, name) for name in ("pending", "outstanding")
+                 if getattr(self, name) is not None}
+        return [replace(cache, **given) for cache in caches]
 
     def strips(self, width, stream):
         """Widths of strips to choose from for a corrected picture ``width`` pixels wide.
