@@ -16,16 +16,15 @@ from ncdc_boards.camera_board.ethernet import MODULE
 from ncdc_soc.firmware import Identity, config, firmware_image
 from ncdc_soc.mdio import Mdio
 from ncdc_soc.phy import RgmiiPhy
-from ncdc_soc.processor import SRAM_BYTES, Processor, described
+from ncdc_soc.processor import Processor, described
 from ncdc_soc.verilog import litex_verilog
 from ncdc_spec.sensors.catalogue import controlled_sensor
 
-__all__ = ["ROM_BYTES", "ProcessorFiles", "board_processor", "processor_files"]
+__all__ = ["MEMORY_BYTES", "ProcessorFiles", "board_processor", "processor_files"]
 
-ROM_BYTES = {False: 0x12000, True: 0xe000}
-"""Of the firmware: without and with compressed instructions."""
-_SRAM_BYTES = {False: SRAM_BYTES, True: 0xe000}
-# 0xe000 bytes are seven block RAMs of an ECP5 for each byte of a word.
+MEMORY_BYTES = {False: (0x12000, 0x10000), True: (0xe000, 0xe000)}
+"""Of ROM and SRAM, without and with compressed instructions: 0xe000 are seven block RAMs of an ECP5
+for each byte of a word."""
 _RESET_MS = 10              # of the chip's pin, at least: Marvell, 88E1111; Broadcom, B50612D
 _DEVICES = {"quartus": (AlteraPlatform, "quartus", False),
             "open": (LatticeECP5Platform, "trellis", True)}
@@ -58,9 +57,8 @@ class _BoardProcessor(Processor):
         clocks, pins = platform.request("clock"), platform.request("eth")
         phy = RgmiiPhy(clocks, pins, clocks.transmit, getattr(clocks, "late", None), paired=ecp5,
                        reset_clocks=clock_hz * _RESET_MS // 1000, buffered=ecp5)
-        super().__init__(platform, clock_hz, phy, rom_bytes=ROM_BYTES[ecp5], uart="stub",
-                         clocks=_Clocks(clocks), sram_bytes=_SRAM_BYTES[ecp5], in_words=ecp5,
-                         compressed=ecp5)
+        super().__init__(platform, clock_hz, phy, memory_bytes=MEMORY_BYTES[ecp5],
+                         uart="stub", clocks=_Clocks(clocks), in_words=ecp5, compressed=ecp5)
         self.mdio, wires = Mdio(), platform.request("mdio")
         self.comb += [wires.mdc.eq(self.mdio.mdc), wires.data.eq(self.mdio.data),
                       wires.enable.eq(self.mdio.enable), self.mdio.pin.eq(wires.pin)]

@@ -13,14 +13,12 @@ from ncdc_boards.camera_board.board import EthernetChip
 from ncdc_hdl.link.processor import ADDRESS_BITS, FRAMES_BITS
 from ncdc_soc.mac import SLOT_BYTES, Mac
 
-__all__ = ["MAP", "SRAM_BYTES", "Processor", "ProcessorVerilog", "described"]
+__all__ = ["MAP", "Processor", "ProcessorVerilog", "described"]
 
 MAP = {"rom": 0x0000_0000, "sram": 0x1000_0000, "ncdc": 0x9000_0000, "ethmac_rx": 0x9010_0000,
        "ethmac_tx": 0x9011_0000, "frames": 0xA000_0000, "csr": 0xF000_0000}
 """Byte addresses of what the processor sees."""
 
-SRAM_BYTES = 0x10000
-"""Memory of the processor by default."""
 _RX_SLOTS, _TX_SLOTS = 4, 2
 _WATCHDOG_DELAY = 1             # clocks from its end to the reset; its timer does not support 0
 
@@ -75,7 +73,8 @@ class Processor(SoCCore):
     clock_hz : int
     phy : LiteX PHY
         PHY of the MAC.
-    rom_bytes, sram_bytes : int
+    memory_bytes : (int, int)
+        Of the ROM, of the SRAM.
     uart : str
         As LiteX names it; "stub": none.
     clocks : LiteXModule
@@ -94,8 +93,9 @@ class Processor(SoCCore):
 
     mem_map = {**SoCCore.mem_map, **MAP}
 
-    def __init__(self, platform, clock_hz, phy, *, rom_bytes, uart, clocks,
-                 sram_bytes=SRAM_BYTES, in_words=False, compressed=False):
+    def __init__(self, platform, clock_hz, phy, *, memory_bytes, uart, clocks,
+                 in_words=False, compressed=False):
+        rom_bytes, sram_bytes = memory_bytes
         SoCCore.__init__(
             self, platform, clock_hz, cpu_type="vexriscv",
             cpu_variant="imac" if compressed else "standard",

@@ -20,7 +20,7 @@ __all__ = ["CLOCK_HZ", "soc_verilog"]
 
 CLOCK_HZ = 100_000_000
 
-_ROM_BYTES = 0x20000
+_MEMORY_BYTES = (0x20000, 0x10000)     # of ROM and SRAM
 
 _PINS = [
     ("sys_clk", 0, Pins(1)), ("sys_rst", 0, Pins(1)),
@@ -54,7 +54,7 @@ class _Soc(Processor):
 
     def __init__(self, platform, core):
         super().__init__(platform, CLOCK_HZ, ModelPhy(platform.request("eth")),
-                         rom_bytes=_ROM_BYTES, uart="sim", clocks=_Reset(platform))
+                         memory_bytes=_MEMORY_BYTES, uart="sim", clocks=_Reset(platform))
         self._memory()
         self._core(platform, core)
 

@@ -8,7 +8,7 @@ import pytest
 
 from cameras import barrel_descriptor
 from firmware_host import host_program
-from ncdc_soc.board import ROM_BYTES
+from ncdc_soc.board import MEMORY_BYTES
 from ncdc_soc.core import SocCore
 from ncdc_soc.firmware import FIRMWARE, config, firmware_image
 from ncdc_soc.processor import MAP
@@ -53,7 +53,7 @@ def test_it_fits(soc, tmp_path):
     need("riscv64-unknown-elf-gcc")
     verilog, text = soc
     words, code, ram = firmware_image(text, verilog, tmp_path)
-    assert 0 < 4 * len(words) <= ROM_BYTES[False] and 0 < code <= ROM_BYTES[False]
+    assert 0 < 4 * len(words) <= MEMORY_BYTES[False][0] and 0 < code <= MEMORY_BYTES[False][0]
     assert 0 < ram <= _RAM_BYTES
 
 
@@ -67,7 +67,7 @@ def test_it_is_a_fifth_smaller_with_compressed_instructions(soc, tmp_path):
         firmware_image(text, replace(verilog, compressed=compressed), tmp_path / str(compressed))
         for compressed in (False, True))
     assert small[1] < .8 * plain[1] and small[2] == plain[2]
-    assert 0 < 4 * len(small[0]) <= ROM_BYTES[True]
+    assert 0 < 4 * len(small[0]) <= MEMORY_BYTES[True][0]
 
 
 def fuzzed(program, frames, seed):
