@@ -52,12 +52,16 @@ def plot_cost(folder, rows):
 
 
 def _area(axes, rows):
-    """ALM on the left axis, M10K on the right one, of the rows that were synthesised."""
+    """ALM on the left axis, M10K on the right one, of the rows that were synthesised; nothing
+    without any."""
     made = [row for row in rows if row["alm"] is not None]
+    if not made:
+        axes.set_visible(False)
+        return
     for side, (key, title, colour) in zip((axes, axes.twinx()), _AREA):
         side.plot(_megapixels(made), [row[key] for row in made], "o-", color=colour)
         side.set_ylabel(title, color=colour)
-        side.set_ylim(0, 1.15 * max((row[key] for row in made), default=1))
+        side.set_ylim(0, 1.15 * max(row[key] for row in made))
     _scale(axes, rows)
 
 
