@@ -1,5 +1,8 @@
 """``ncdc bench mutation``: faults that Yosys plants in the gateware, and those that tests find."""
 
+import json
+from pathlib import Path
+
 from ncdc.cli.common import add_json, report_failures, write_report
 from ncdc.terminal import Progress
 from ncdc.text_table import text_table
@@ -8,7 +11,7 @@ from ncdc_spec.errors import InputError
 __all__ = ["EXAMPLE", "HELP", "MIN_OVERALL", "MIN_SCORE", "add_arguments", "run"]
 
 HELP = "plant faults in the gateware, chosen by Yosys, and count those that its tests find"
-EXAMPLE = "ncdc bench mutation --design core --module ncdc_row_gate --per-module 10"
+EXAMPLE = "ncdc bench mutation --design core --module ncdc_row_gate --survivors"
 
 MIN_OVERALL, MIN_SCORE = .97, .90       # share of mutants killed: of all, and in each module
 
@@ -27,13 +30,16 @@ def add_arguments(parser):
                         help="of Yosys's choice (default: 1)")
     parser.add_argument("--survivors", action="store_true",
                         help="print each survivor's line and change")
+    parser.add_argument("--add", action="store_true",
+                        help="leave alone the modules that the file of --json has, and add the "
+                             "others to it, each as soon as it is judged")
     add_json(parser)
 
 
 def run(args):
     """Judge all mutants; 1 if a score is below its limit."""
     from ncdc_bench.mutation.designs import designs  # they need the tests and Amaranth
-    from ncdc_bench.mutation.score import judge, rows, summary
+    from ncdc_bench.mutation.score import judge, row_of, summary
 
     known = designs()
     chosen = args.design or list(known)
@@ -42,13 +48,16 @@ def run(args):
             raise InputError(f"the design is {name}, one of {', '.join(known)} is needed")
     if args.per_module < 1:
         raise InputError(f"mutants per module are {args.per_module}, the least is 1")
-    table = []
+    report = _recorded(args)
+    table = report["rows"]
     for name in chosen:
-        verdicts, _ = judge(known[name], per_module=args.per_module, seed=args.seed,
-                            modules=args.module, progress=Progress(name))
-        table += [{"design": name} | row for row in rows(verdicts)]
-    report = {"seed": args.seed, "per_module": args.per_module, "rows": table,
-              "summary": summary(table)}
+        skipped = {row["module"] for row in table if row["design"] == name}
+        for verdicts in judge(known[name], per_module=args.per_module, seed=args.seed,
+                              modules=args.module, skipped=skipped, progress=Progress(name)):
+            table.append({"design": name} | row_of(verdicts))
+            report["summary"] = summary(table)
+            if args.add:
+                write_report(report, args.json)
     if not write_report(report, args.json):
         print(text_table([(name, lambda row, name=name: row[name]) for name in _COLUMNS]
                          + [("score", lambda row: f"{100 * row['score']:.1f} %")],
@@ -58,6 +67,27 @@ def run(args):
             for one in row["survivors"]:
                 print(f"{row['module']}: {one['line']}: {one['change']}")
     return report_failures("bench mutation", _failures(table, report["summary"]))
+
+
+def _recorded(args):
+    """The report that is added to, or an empty one."""
+    empty = {"seed": args.seed, "per_module": args.per_module, "rows": [], "summary": {}}
+    if not args.add:
+        return empty
+    if args.json in (None, "-"):
+        raise InputError("--add needs the file of a report: --json FILE")
+    path = Path(args.json)
+    if not path.exists():
+        return empty
+    try:
+        report = json.loads(path.read_text())
+        found = report["seed"], report["per_module"]
+    except (ValueError, KeyError, TypeError) as error:
+        raise InputError(f"{path} is no report of this command") from error
+    if found != (args.seed, args.per_module):
+        raise InputError(f"{path} has seed {found[0]} and {found[1]} mutants per module, not "
+                         f"{args.seed} and {args.per_module}")
+    return report
 
 
 def _failures(table, whole):

@@ -1,41 +1,60 @@
-"""Whether a mutant is equivalent: its module computes the same in every clock, by Yosys."""
+"""Whether mutants are equivalent: their module computes the same in every clock, by Yosys."""
 
 import tempfile
 from pathlib import Path
 
 from ncdc_bench.mutation.yosys import run_yosys
 
-__all__ = ["equivalent"]
+__all__ = ["equivalents"]
 
-_TIMEOUT = 60       # seconds for a mutant
+_TIMEOUT = 120      # seconds for the mutants of a module; then each is tried alone
+_ALONE = 20         # seconds for one mutant
+_PROVED = "Equivalence successfully proven!"
 
-def equivalent(netlist, mutant, timeout=_TIMEOUT):
-    """Whether a mutant is proved equivalent, for all time, whatever its module is given.
 
-    Registers of the module with and without the change are matched by name; induction proves
-    that they and all outputs stay equal.
+def equivalents(netlist, mutants):
+    """Numbers of the ``mutants`` of one module that are proved equivalent.
+
+    Each holds for all time, whatever the module is given: registers with and without the change
+    are matched by name, and induction proves that they and all outputs stay equal. The modules in
+    it are cut out, so what they are given must be equal as well.
 
     Parameters
     ----------
     netlist : str
         RTLIL of the design without mutants.
-    mutant : Mutant
-    timeout : float
-        Seconds; a proof that takes longer counts as none.
+    mutants : sequence of Mutant
+        Those whose proof does not end in time count as different.
     """
+    if not mutants:
+        return set()
+    together = _proved(netlist, mutants, _TIMEOUT)
+    if together is not None:
+        return together
+    return set().union(*(_proved(netlist, [one], _ALONE) or set() for one in mutants))
+
+
+def _proved(netlist, mutants, timeout):
+    """Numbers of those that are proved; None if Yosys fails or does not end in time."""
     with tempfile.TemporaryDirectory(prefix="ncdc-") as name:
         folder = Path(name)
         (folder / "light.il").write_text(netlist)
-        return run_yosys(_script(mutant), folder, timeout) is None
+        if run_yosys(_script(mutants), folder, timeout) is not None:
+            return None
+        return {one.number for one in mutants
+                if _PROVED in (folder / f"{one.number}.txt").read_text()}
 
 
-def _script(mutant):
-    module = mutant.original
-    return "\n".join([
-        # The modules in it are cut out: what they get are outputs, what they give inputs.
-        "read_rtlil light.il", f"copy {module} gold", mutant.command, f"rename {module} gate",
-        "select -set parts gold/t:* gate/t:* %u gold/t:$* gate/t:$* %u %d",
-        "expose -evert -sep : @parts", "select gold gate",
-        "memory -nordff", "opt_clean", "select -clear",
-        "equiv_make gold gate equiv", "hierarchy -top equiv", "opt_expr", "opt_clean",
-        "equiv_struct", "equiv_simple -undef", "equiv_induct -undef", "equiv_status -assert"])
+def _script(mutants):
+    module = mutants[0].original
+    lines = ["read_rtlil light.il", f"copy {module} gold", f"blackbox * gold %d {module} %d",
+             "design -save all"]
+    for one in mutants:
+        lines += [
+            "design -load all", one.command, f"rename {module} gate",
+            "select -set parts gold/t:* gate/t:* %u gold/t:$* gate/t:$* %u %d",
+            "expose -evert -sep : @parts", "select gold gate", "memory -nordff", "opt_clean",
+            "select -clear", "equiv_make gold gate equiv", "hierarchy -top equiv", "opt_expr",
+            "opt_clean", "equiv_struct", "equiv_simple -undef", "equiv_induct -undef",
+            f"tee -o {one.number}.txt equiv_status"]
+    return "\n".join(lines)

@@ -37,6 +37,26 @@ opt_clean
 write_rtlil light.il
 write_json light.json
 """
+# All mutants with their selecting signal as Verilog; then the whole design flat, without what
+# reaches no output.
+_APPLY = """
+read_rtlil light.il
+{apply}
+opt_clean
+design -save all
+delete -input {top}/w:{select}
+write_verilog -noattr mutated.v
+design -load all
+flatten
+opt_expr
+opt_clean -purge
+opt_dff
+opt_expr
+opt_clean -purge
+splitcells
+opt_clean -purge
+tee -o live.txt dump t:$eq
+"""
 _MODES = {"inv": "inverted", "const0": "stuck at 0", "const1": "stuck at 1",
           "cnot0": "inverted while bit {ctrlbit} is 0",
           "cnot1": "inverted while bit {ctrlbit} is 1"}
@@ -60,6 +80,8 @@ class Mutant:
         File and line of the gateware.
     change : str
         The change in words.
+    live : bool
+        Whether its selecting signal can reach an output of the design; else it is equivalent.
     """
     number: int
     module: str
@@ -68,6 +90,7 @@ class Mutant:
     command: str
     line: str
     change: str
+    live: bool = True
 
 
 @dataclass(frozen=True)
@@ -92,7 +115,7 @@ def selecting(number):
     return (f"+{SELECT}={number}",)
 
 
-def mutate(make, top, *, per_module, seed=1, modules=None):
+def mutate(make, top, *, per_module, seed=1, modules=None, skipped=()):
     """The :class:`Mutated` design of a component.
 
     Parameters
@@ -107,6 +130,8 @@ def mutate(make, top, *, per_module, seed=1, modules=None):
         Of Yosys's choice.
     modules : collection of str, optional
         Names of the distinct modules; all if absent.
+    skipped : collection of str
+        Names of those that are left out nevertheless.
 
     Raises
     ------
@@ -118,7 +143,8 @@ def mutate(make, top, *, per_module, seed=1, modules=None):
     for name in modules or ():
         if name not in names:
             raise InputError(f"{name} is no module of {top}, it has {', '.join(names)}")
-    chosen = [one for one in distinct if not modules or one.name in modules]
+    chosen = [one for one in distinct if one.name in (modules or names)
+              and one.name not in skipped]
     if len(chosen) * per_module > MAX_MUTANTS:
         raise InputError(f"{per_module} mutants of each of {len(chosen)} modules are asked for, "
                          f"{MAX_MUTANTS} is the limit of all together")
@@ -138,10 +164,11 @@ def _mutate(folder, text, top, chosen, per_module, seed):
     mutants = _chosen(chosen, folder, per_module, seed)
     apply = "\n".join(one.command.replace(
         "mutate ", f"mutate -ctrl {SELECT} {WIDTH} {one.number} ", 1) for one in mutants)
-    _checked(run_yosys(f"read_rtlil light.il\n{apply}\nopt_clean\ndelete -input {top}/w:{SELECT}\n"
-                       f"write_verilog -noattr mutated.v\n", folder))
+    _checked(run_yosys(_APPLY.format(apply=apply, top=top, select=SELECT), folder))
     (folder / "mutated.v").write_text(_switched((folder / "mutated.v").read_text()))
-    (folder / "mutants.json").write_text(json.dumps([vars(one) for one in mutants]))
+    live = _live((folder / "live.txt").read_text())
+    (folder / "mutants.json").write_text(json.dumps(
+        [vars(one) | {"live": one.number in live} for one in mutants]))
 
 
 def _checked(error):
@@ -166,6 +193,13 @@ def _chosen(modules, folder, per_module, seed):
             found.append(Mutant(len(found) + 1, one.name, one.source, one.original, command,
                                 sources.line(*where), change))
     return found
+
+
+def _live(text):
+    """Numbers of the mutants whose comparison with the selecting signal is in Yosys's dump."""
+    cells = re.findall(r"^ *cell \$eq .*?^ *end$", text, re.MULTILINE | re.DOTALL)
+    return {int(re.search(rf"\\B {WIDTH}'([01]+)", cell)[1], 2) for cell in cells
+            if f"\\{SELECT}" in cell}
 
 
 def _switched(verilog):

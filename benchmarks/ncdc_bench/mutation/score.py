@@ -1,12 +1,14 @@
 """Mutants killed by the benches, proved equivalent, and survivors."""
 
+from collections import Counter
 from dataclasses import dataclass
 
-from ncdc_bench.mutation.equivalence import equivalent
+from ncdc_bench.mutation.equivalence import equivalents
 from ncdc_bench.mutation.mutants import Mutant, mutate, selecting
 from ncdc_spec.errors import InputError
 
-__all__ = ["BrokenBench", "Verdict", "judge", "rows", "summary"]
+__all__ = ["BrokenBench", "Verdict", "judge", "judge_module", "row_of",
+           "summary"]
 
 EQUIVALENT, SURVIVED = "equivalent", "survived"
 
@@ -28,14 +30,20 @@ class Verdict:
     mutant: Mutant
     by: str
 
+    @property
+    def killed(self):
+        """Whether a bench fails with it."""
+        return self.by not in (EQUIVALENT, SURVIVED)
 
-def judge(design, *, per_module, seed=1, modules=None, progress=lambda fraction, note="": None):
-    """A :class:`Verdict` on each mutant of a design, and the :class:`Mutated` design.
+
+def judge(design, *, per_module, seed=1, modules=None, skipped=(),
+          progress=lambda fraction, note="": None):
+    """Yield a list for each module of a design: a :class:`Verdict` on each of its mutants.
 
     Parameters
     ----------
     design : Design
-    per_module, seed, modules :
+    per_module, seed, modules, skipped :
         As of :func:`ncdc_bench.mutation.mutants.mutate`.
     progress : callable
         Called with a fraction, 0..1, and a note.
@@ -47,27 +55,37 @@ def judge(design, *, per_module, seed=1, modules=None, progress=lambda fraction,
     InputError
         As of :func:`ncdc_bench.mutation.mutants.mutate`.
     """
-    mutated = mutate(design.make, design.top, per_module=per_module, seed=seed, modules=modules)
+    mutated = mutate(design.make, design.top, per_module=per_module, seed=seed, modules=modules,
+                     skipped=skipped)
     for bench in design.benches:
         reason = failure(bench, mutated.verilog, 0)
         if reason is not None:
             raise BrokenBench(f"the bench {bench.name!r} of {design.name} fails without a mutant: "
                               f"{reason}")
-    verdicts, killed = [], 0
-    for k, mutant in enumerate(mutated.mutants):
-        by = verdict(design, mutated, mutant)
-        killed += by not in (EQUIVALENT, SURVIVED)
-        verdicts.append(Verdict(mutant, by))
-        progress((k + 1) / len(mutated.mutants), f", {killed} of {k + 1} killed")
-    return verdicts, mutated
+    groups, done, killed = {}, 0, 0
+    for mutant in mutated.mutants:
+        groups.setdefault(mutant.module, []).append(mutant)
+    for group in groups.values():
+        verdicts = judge_module(design, mutated, group)
+        done, killed = done + len(group), killed + sum(one.killed for one in verdicts)
+        progress(done / len(mutated.mutants), f", {killed} of {done} killed")
+        yield verdicts
 
 
-def verdict(design, mutated, mutant):
-    """Name of the first bench that fails with ``mutant``; else whether it is equivalent."""
-    for bench in design.benches:
-        if failure(bench, mutated.verilog, mutant.number) is not None:
-            return bench.name
-    return EQUIVALENT if equivalent(mutated.netlist, mutant) else SURVIVED
+def judge_module(design, mutated, mutants):
+    """A :class:`Verdict` on each of the ``mutants`` of one module."""
+    by = {one: EQUIVALENT for one in mutants if not one.live}
+    by |= {one: name for one in mutants
+           if one.live and (name := killer(design.benches, mutated, one))}
+    proved = equivalents(mutated.netlist, [one for one in mutants if one not in by])
+    by |= {one: EQUIVALENT for one in mutants if one.number in proved}
+    return [Verdict(one, by.get(one, SURVIVED)) for one in mutants]
+
+
+def killer(benches, mutated, mutant):
+    """Name of the first of ``benches`` that fails with ``mutant``, None if none does."""
+    return next((bench.name for bench in benches
+                 if failure(bench, mutated.verilog, mutant.number) is not None), None)
 
 
 def failure(bench, verilog, number):
@@ -81,25 +99,17 @@ def failure(bench, verilog, number):
     return None
 
 
-def rows(verdicts):
-    """A row for each distinct module: counts, and its survivors with line and change."""
-    table = {}
-    for one in verdicts:
-        mutant = one.mutant
-        row = table.setdefault(mutant.module, {
-            "module": mutant.module, "source": mutant.source, "mutants": 0, "killed": 0,
-            "equivalent": 0, "survived": 0, "killed_by": {}, "survivors": []})
-        row["mutants"] += 1
-        if one.by == EQUIVALENT:
-            row["equivalent"] += 1
-        elif one.by == SURVIVED:
-            row["survived"] += 1
-            row["survivors"].append({"line": mutant.line, "change": mutant.change,
-                                     "mutant": mutant.command})
-        else:
-            row["killed"] += 1
-            row["killed_by"][one.by] = row["killed_by"].get(one.by, 0) + 1
-    return [row | {"score": score(row)} for row in table.values()]
+def row_of(verdicts):
+    """The row of a distinct module: counts, and its survivors with line and change."""
+    first = verdicts[0].mutant
+    killers = Counter(one.by for one in verdicts if one.killed)
+    survivors = [one.mutant for one in verdicts if one.by == SURVIVED]
+    row = {"module": first.module, "source": first.source, "mutants": len(verdicts),
+           "killed": killers.total(), "equivalent": sum(one.by == EQUIVALENT for one in verdicts),
+           "survived": len(survivors), "killed_by": dict(killers),
+           "survivors": [{"line": one.line, "change": one.change, "mutant": one.command}
+                         for one in survivors]}
+    return row | {"score": score(row)}
 
 
 def score(row):

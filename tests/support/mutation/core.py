@@ -138,17 +138,17 @@ def resets(forgets):
     def run(verilog, more):
         raws = [np.random.default_rng(k).integers(0, 256, cameras()[0][1].shape, np.uint8)
                 for k in range(2)]
-        result = simulate_resets(corrector(), verilog, raws, 12, forgets=forgets, longest=1500,
+        result = simulate_resets(corrector(), verilog, raws, 8, forgets=forgets, longest=1500,
                                  memory="hostile", clock_limit=200_000, more=more)
-        assert result.differing == (0,) * 12
+        assert result.differing == (0,) * 8
     return run
 
 
 def fuzz(verilog, more):
     """Frames of random register values, and of right ones, in turn."""
-    result = simulate_register_fuzz(corrector(), verilog, cameras()[0][1], 20, memory="fixed:9:4",
-                                    clock_limit=300_000, more=more)
-    assert result.differing == (0,) * 20 and result.outside == 0
+    result = simulate_register_fuzz(corrector(), verilog, cameras()[0][1], 10, memory="fixed:9:4",
+                                    clock_limit=150_000, more=more)
+    assert result.differing == (0,) * 10 and result.outside == 0
 
 
 _RUNS = {"frame": frame, "lens change": lens_change, "lists": lists, "wrong lists": wrong_lists,
