@@ -68,7 +68,7 @@ def bench(name, clears=True, checks=True):
                         simulator="icarus", defines={"CLEARS": int(clears)})
         results = results_of(program, dict(one.lstrip("+").split("=") for one in more))
         assert not checks or results["wrong"] == 0
-    return Bench(name, "here", run_it)
+    return Bench(name, run_it)
 
 
 def verdicts_of(*benches, per_module=40):
@@ -107,7 +107,7 @@ def test_a_bench_that_fails_without_a_mutant_is_rejected():
         raise AssertionError("the golden picture is wrong")
 
     with pytest.raises(BrokenBench, match="'broken' of counter fails without a mutant: the golden"):
-        verdicts_of(Bench("broken", "here", broken), per_module=2)
+        verdicts_of(Bench("broken", broken), per_module=2)
 
 
 def test_modules_that_there_are_not_are_named():

@@ -21,14 +21,11 @@ class Bench:
     Parameters
     ----------
     name : str
-    test : str
-        The test that runs it on the design as it is.
     run : callable
         Called with a Verilog text and further plusargs. Raises AssertionError or SimulationError
         if the design is not as it must be.
     """
     name: str
-    test: str
     run: Callable
 
 

@@ -29,9 +29,8 @@ from simulations.view_passes import (
 )
 from views import random_view
 
-__all__ = ["DESIGN", "HARDWARE", "TEST"]
+__all__ = ["DESIGN"]
 
-TEST = "tests/sim/test_mutation_benches.py"
 FOCAL = 25          # pixels of the trained pictures
 _BETWEEN = 32       # clocks between two frames, in which the view of the second is read
 HARDWARE = Hardware(cache=CacheOptions(64, pending=32, outstanding=8, interpolation=GRADIENT),
@@ -155,5 +154,4 @@ _RUNS = {"frame": frame, "lens change": lens_change, "lists": lists, "wrong list
          "early start": early_start, "resets, memory forgets": resets(True),
          "resets, memory answers": resets(False), "register fuzz": fuzz}
 
-DESIGN = Design("core", "ncdc", make, tuple(
-    Bench(name, f"{TEST}::test_bench_of_core[{name}]", run) for name, run in _RUNS.items()))
+DESIGN = Design("core", "ncdc", make, tuple(Bench(*item) for item in _RUNS.items()))
