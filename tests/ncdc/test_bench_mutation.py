@@ -117,7 +117,9 @@ def test_modules_that_there_are_not_are_named():
 
 @pytest.mark.parametrize("arguments,message", [
     (["--design", "lens"], "the design is lens, one of core"),
-    (["--per-module", "0"], "mutants per module are 0, the least is 1")])
+    (["--per-module", "0"], "mutants per module are 0, the least is 1"),
+    (["--model", "--survivors"], "--survivors is given, --model does not support it"),
+    (["--model", "--module", "lens"], "the module is lens, one of picture")])
 def test_wrong_arguments(arguments, message, capsys):
     assert main(["bench", "mutation", *arguments]) == 2
     assert message in capsys.readouterr().err

@@ -5,13 +5,13 @@ from pathlib import Path
 
 import pytest
 
+from ncdc.cli import main
 from ncdc_bench.mutation import golden
 from ncdc_bench.mutation.golden import (
     MIN_SCORE,
     MODULES,
     Module,
     golden_rows,
-    main,
     mutants_of,
     score,
 )
@@ -101,7 +101,7 @@ def test_what_is_rejected(tested, test, line, mutant, message):
 
 @pytest.mark.longer
 def test_the_command(monkeypatch, tmp_path, capsys):
-    assert main(["--module", "tansig.lvc", "--per-module", "2",
+    assert main(["bench", "mutation", "--model", "--module", "tansig.lvc", "--per-module", "2",
                  "--json", str(tmp_path / "model.json")]) == 0
     report = json.loads((tmp_path / "model.json").read_text())
     assert [(row["module"], row["mutants"]) for row in report["rows"]] == [("tansig.lvc", 2)]
@@ -109,12 +109,9 @@ def test_the_command(monkeypatch, tmp_path, capsys):
     monkeypatch.setattr(golden, "_LIST", tmp_path / "other.toml")
     (tmp_path / "other.toml").write_text(EQUIVALENT.format("a", "b").replace("nodes",
                                                                              "tansig.design"))
-    assert main(["--module", "tansig.design"]) == 2
+    assert main(["bench", "mutation", "--model", "--module", "tansig.design"]) == 2
     assert ("other.toml has a mutant of model/ncdc_spec/tansig/design.py that does not exist: "
             "a -> b") in capsys.readouterr().err
-    with pytest.raises(SystemExit, match="2"):
-        main(["--per-module", "0"])
-    assert "--per-module is 0, 1 or more is needed" in capsys.readouterr().err
 
 
 @pytest.mark.regress

@@ -327,7 +327,7 @@ GROUPS = {
                    ("lines_missed", "straightness_rms_px"), chosen_maps.lines),
     "nodes": Group("ncdc bench nodes", ("curvature_px", "added_max_px"), chosen_maps.nodes),
     "view": Group("ncdc bench view", ("steadiness",), _view),
-    "mutation_model": Group("python -m ncdc_bench.mutation.golden --per-module 120 --seed 49",
+    "mutation_model": Group("ncdc bench mutation --model --per-module 120 --seed 49",
                             ("killed", "tests"), _mutation_model),
 }
 

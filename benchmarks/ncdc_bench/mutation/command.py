@@ -10,24 +10,29 @@ from ncdc_spec.errors import InputError
 
 __all__ = ["EXAMPLE", "HELP", "MIN_OVERALL", "MIN_SCORE", "add_arguments", "run"]
 
-HELP = "plant faults in the gateware, chosen by Yosys, and count those that its tests find"
+HELP = "plant faults in the gateware or the golden model, and count those that the tests find"
 EXAMPLE = "ncdc bench mutation --design core --module ncdc_row_gate --survivors"
 
 MIN_OVERALL, MIN_SCORE = .97, .90       # share of mutants killed: of all, and in each module
 
+_MUTANTS = 40       # of each module of the gateware
 _COLUMNS = ("module", "mutants", "killed", "equivalent", "survived")
 
 
 def add_arguments(parser):
     """Declare the command's arguments on an argparse parser."""
+    parser.add_argument("--model", action="store_true",
+                        help="of the golden model instead of the gateware")
     parser.add_argument("--design", nargs="+", metavar="NAME",
                         help="what is mutated (default: all designs)")
     parser.add_argument("--module", nargs="+", metavar="NAME",
-                        help="distinct modules, by their names in the Verilog (default: all)")
-    parser.add_argument("--per-module", type=int, default=40, metavar="N",
-                        help="mutants of each module, all if there are fewer (default: 40)")
+                        help="distinct modules, by their names in the Verilog, or in the model "
+                             "(default: all)")
+    parser.add_argument("--per-module", type=int, metavar="N",
+                        help=f"mutants of each module, all if there are fewer (default: "
+                             f"{_MUTANTS}; of the model all)")
     parser.add_argument("--seed", type=int, default=1, metavar="N",
-                        help="of Yosys's choice (default: 1)")
+                        help="of their choice (default: 1)")
     parser.add_argument("--survivors", action="store_true",
                         help="print each survivor's line and change")
     parser.add_argument("--add", action="store_true",
@@ -38,6 +43,26 @@ def add_arguments(parser):
 
 def run(args):
     """Judge all mutants; 1 if a score is below its limit."""
+    if args.per_module is not None and args.per_module < 1:
+        raise InputError(f"mutants per module are {args.per_module}, the least is 1")
+    if args.model:
+        return _model(args)
+    args.per_module = args.per_module or _MUTANTS
+    return _gateware(args)
+
+
+def _model(args):
+    """Judge mutants of the golden model."""
+    from ncdc_bench.mutation.golden import run_golden   # needs Cosmic Ray
+
+    for name in ("design", "survivors", "add"):
+        if getattr(args, name):
+            raise InputError(f"--{name} is given, --model does not support it")
+    return run_golden(args.module, args.per_module, args.seed, args.json)
+
+
+def _gateware(args):
+    """Judge mutants of the gateware."""
     from ncdc_bench.mutation.designs import designs  # they need the tests and Amaranth
     from ncdc_bench.mutation.score import judge, row_of, summary
 
@@ -46,8 +71,6 @@ def run(args):
     for name in chosen:
         if name not in known:
             raise InputError(f"the design is {name}, one of {', '.join(known)} is needed")
-    if args.per_module < 1:
-        raise InputError(f"mutants per module are {args.per_module}, the least is 1")
     report = _recorded(args)
     table = report["rows"]
     for name in chosen:

@@ -5,7 +5,6 @@ tests of a module run on each of its mutants, in a process of its own (:mod:`gol
 Mutants that are equivalent to the module are listed with a reason in ``golden_equivalent.toml``.
 """
 
-import argparse
 import json
 import math
 import random
@@ -17,14 +16,14 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
-from ncdc.cli.common import add_json, write_report
+from ncdc.cli.common import write_report
 from ncdc.terminal import Progress
 from ncdc.text_table import text_table
 from ncdc_spec.errors import InputError
 from ncdc_spec.needs import pip_line
 
-__all__ = ["MIN_SCORE", "MODULES", "Module", "Mutant", "golden_rows", "main", "mutants_of",
-           "run_golden", "score", "table"]
+__all__ = ["MIN_SCORE", "MODULES", "Module", "Mutant", "golden_rows", "mutants_of", "run_golden",
+           "score", "table"]
 
 MIN_SCORE = .95             # share of the mutants killed, equivalent ones left out
 
@@ -268,35 +267,14 @@ def table(rows):
 def run_golden(names, number, seed, target):
     """Test mutants with progress on stderr, and print the table; 1 if the score is below its limit.
 
-    ``names``, ``number``, ``seed``: as of :func:`golden_rows`. ``target``: a file for the report as
-    JSON, "-" for stdout instead of the table, or None.
+    ``names``: keys of :data:`MODULES`, None for all. ``number``, ``seed``: as of
+    :func:`golden_rows`. ``target``: a file for the report as JSON, "-" for stdout instead of the
+    table, or None. An unknown name raises InputError.
     """
-    rows = golden_rows(Progress("mutants"), names, number, seed)
+    for name in names or ():
+        if name not in MODULES:
+            raise InputError(f"the module is {name}, one of {', '.join(MODULES)} is needed")
+    rows = golden_rows(Progress("mutants"), names or list(MODULES), number, seed)
     if not write_report({"seed": seed, "per_module": number, "rows": rows}, target):
         print(table(rows))
     return int(score(rows) < MIN_SCORE)
-
-
-def main(arguments=None):
-    """Test mutants of the golden model; 1 if the score is below its limit, 2 for a bad option."""
-    parser = argparse.ArgumentParser(prog="python -m ncdc_bench.mutation.golden",
-                                     description="change the golden model, one operator or number "
-                                     "at a time, and count the changes that its tests find")
-    parser.add_argument("--module", nargs="+", choices=MODULES, default=list(MODULES),
-                        metavar="NAME", help=f"of {', '.join(MODULES)} (default: all)")
-    parser.add_argument("--per-module", type=int, metavar="N",
-                        help="mutants of each module, at random (default: all)")
-    parser.add_argument("--seed", type=int, default=1, metavar="N", help="of them (default: 1)")
-    add_json(parser)
-    args = parser.parse_args(arguments)
-    if args.per_module is not None and args.per_module < 1:
-        parser.error(f"--per-module is {args.per_module}, 1 or more is needed")
-    try:
-        return run_golden(args.module, args.per_module, args.seed, args.json)
-    except InputError as error:
-        print(f"mutation of the model: {error}", file=sys.stderr)
-        return 2
-
-
-if __name__ == "__main__":
-    sys.exit(main())
