@@ -53,7 +53,7 @@ def run(args):
 
 def _model(args):
     """Judge mutants of the golden model."""
-    from ncdc_bench.mutation.golden import run_golden   # needs Cosmic Ray
+    from ncdc_bench.mutation.golden import run_golden  # needs Cosmic Ray
 
     for name in ("design", "survivors", "add"):
         if getattr(args, name):
