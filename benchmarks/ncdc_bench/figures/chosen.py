@@ -222,6 +222,15 @@ def _model(report):
     return {"rows": rows, "device": report["device"]}
 
 
+def _cost(report):
+    """A row for each picture and lens."""
+    return {"rows": {_slug(f"{row['width']}x{row['height']}", str(row["lens"])): {
+        "size": f"{row['width']}x{row['height']}", "cache_kb": row["cache_bytes"] // 1024,
+        **{key: row[key] for key in ("lens", "predicted_clocks_per_pixel", "bytes_read_per_pixel",
+                                     "amplification", "alm", "m10k", "dsp")}}
+        for row in report["rows"]}}
+
+
 def _mutation_model(report):
     """A row for each module of the golden model, scores in per cent; the mutants of all."""
     rows = {_slug(row["module"]): {**row, "score": 100 * score([row])} for row in report["rows"]}
@@ -327,6 +336,8 @@ GROUPS = {
                    ("lines_missed", "straightness_rms_px"), chosen_maps.lines),
     "nodes": Group("ncdc bench nodes", ("curvature_px", "added_max_px"), chosen_maps.nodes),
     "view": Group("ncdc bench view", ("steadiness",), _view),
+    "cost": Group("ncdc bench cost", ("hardware_exists", "amplification"), _cost,
+                  lambda report: len({row["width"] for row in report["rows"]}) > 1),
     "mutation_model": Group("ncdc bench mutation --model --per-module 120 --seed 49",
                             ("killed", "tests"), _mutation_model),
 }
