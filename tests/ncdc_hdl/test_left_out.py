@@ -1,7 +1,9 @@
 """Cores that leave something out: the same pixels, and registers that are not there."""
 
 import re
+import subprocess
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -19,11 +21,13 @@ from ncdc_spec.registers.register_map import (
     FIXED_LENS_BIT,
     NO_COUNTERS_BIT,
     NO_FOLLOW_BIT,
+    STATUS_DONE,
     VIEW_BIT,
     absent,
     capabilities,
 )
 
+CONSOLE = Path(__file__).resolve().parents[1] / "support" / "tcl" / "console.tcl"
 NOTHING = Hardware(fixed_lens=True, follow=False, counters=False)
 
 
@@ -78,6 +82,32 @@ def test_drivers_do_not_name_what_is_absent(tmp_path):
     for name in ("ncdc_registers.h", "ncdc_registers.py", "ncdc_console_data.tcl", "ncdc.rdl"):
         assert not set(COUNTERS) & set(re.findall(r"\w+", files[name].replace("NCDC_", " "))), name
     assert "VALID_ROWS" not in files["ncdc.rdl"] and "HIDDEN0_BIAS" not in files["ncdc.rdl"]
+
+
+def test_the_console_corrects_without_counters(tmp_path):
+    corrector = Corrector(WIDE, NOTHING)
+    for name, text in driver_files(corrector, [("wide.toml", WIDE)]).items():
+        (tmp_path / name).write_text(text)
+    (tmp_path / "raw").write_bytes(bytes(WIDE.geometry.distorted_width
+                                         * WIDE.geometry.distorted_height))
+    (tmp_path / "script").write_text("ncdc::connect\nncdc::load wide\n"
+                                     "puts [ncdc::correct raw picture.ppm]\nncdc::counters\n")
+    values = corrector.registers.constants | {"STATUS": STATUS_DONE}
+    words = {0x10000000 + 4 * r.address: values.get(r.name, 0) for r in corrector.registers.table}
+    process = subprocess.Popen(["tclsh", CONSOLE, "ncdc_console.tcl", "script"], cwd=tmp_path,
+                               stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
+    said = ""
+    with process:
+        for line in process.stdout:
+            if not line.startswith("ASK "):
+                said += line
+                continue
+            _, kind, at, *more = line.split()
+            if kind == "to":
+                Path(at).write_bytes(bytes(int(more[1])))
+            process.stdin.write(f"{words[int(at)] if kind == 'read' else ''}\n")
+            process.stdin.flush()
+    assert said == "picture.ppm: {}x{}\n".format(*WIDE.geometry.corrected)
 
 
 def test_a_fixed_lens_has_no_view():

@@ -132,6 +132,7 @@ proc ncdc::correct {raw picture {source 0} {target ""}} {
     variable memory
     variable lenses
     variable lens
+    variable counted
     if {$lens eq ""} {
         error "no lens is loaded, there are [join [dict keys $lenses] {, }]"
     }
@@ -163,7 +164,9 @@ proc ncdc::correct {raw picture {source 0} {target ""}} {
         [dict get $one target_bytes]
     ppm $stored $picture $one
     file delete $stored
-    return "$picture: [dict get $one width]x[dict get $one height], [get CLOCKS] clocks"
+    set size "[dict get $one width]x[dict get $one height]"
+    # A corrector without counters counts no clocks.
+    return "$picture: $size[expr {"CLOCKS" in $counted ? ", [get CLOCKS] clocks" : ""}]"
 }
 
 # Counters of the last frame.
