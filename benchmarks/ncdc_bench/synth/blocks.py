@@ -101,14 +101,9 @@ def _core(hidden_neurons, variant="mmhbc", nodes=1, cache_bytes=_CACHE.bytes, in
                                   Hardware(multiplier_bits=bits, **options))
 
 
-def _smallest(variant):
+def _smallest(variant, **options):
     """The smallest useful core: HN 8 at nodes, strips to memory from a cache of 8 KB."""
-    return _core(8, variant, _NODES, 8 << 10, output="memory", strip=128)
-
-
-def _fixed(**options):
-    """The smallest useful core without what a camera that never changes leaves unused."""
-    return _core(8, "table", _NODES, 8 << 10, output="memory", strip=128, **options)
+    return _core(8, variant, _NODES, 8 << 10, output="memory", strip=128, **options)
 
 
 def _four_lanes(variant, interpolation=FAST, cache_bytes=_CACHE.bytes):
@@ -179,10 +174,10 @@ BLOCKS = {
              "HN 4 smallest": _core(4, "table", share=4), "HN 8": _core(8),
              "HN 8, nodes, 8 KB": _smallest("mmhbc"),
              "HN 8, nodes, 8 KB, table": _smallest("table"),
-             "HN 8, nodes, 8 KB, table, fixed lens": _fixed(fixed_lens=True),
-             "HN 8, nodes, 8 KB, table, no counters": _fixed(counters=False),
-             "HN 8, nodes, 8 KB, table, no follow": _fixed(follow=False),
-             "HN 8, smallest": _fixed(fixed_lens=True, counters=False, follow=False),
+             "HN 8, nodes, 8 KB, table, fixed lens": _smallest("table", fixed_lens=True),
+             "HN 8, nodes, 8 KB, table, no counters": _smallest("table", counters=False),
+             "HN 8, nodes, 8 KB, table, no follow": _smallest("table", follow=False),
+             "HN 8, smallest": _smallest("table", fixed_lens=True, counters=False, follow=False),
              "HN 16, nodes": _core(16, nodes=_NODES),
              "HN 16, nodes, table": _core(16, "table", _NODES),
              "HN 16, nodes, table, view": _core(16, "table", _NODES, view=True),
