@@ -61,7 +61,7 @@ class Capture(wiring.Component):
     area, limit, begins, ends, good, rows, counts
         As in :class:`FrameWriter`.
     half_full : ``Out(1)``
-        The queue is half full: writing is urgent.
+        The queue was half full a clock ago: writing is urgent.
     memory_rst : ``In(1)``
         As in :class:`BurstWriter`.
     bus : ``Out(WriteHost(data_width, burst, pending))``

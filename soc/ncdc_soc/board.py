@@ -29,8 +29,8 @@ _RESET_MS = 10              # of the chip's pin, at least: Marvell, 88E1111; Bro
 _DEVICES = {"quartus": (AlteraPlatform, "quartus", False),
             "open": (LatticeECP5Platform, "trellis", True)}
 """By a board's tools: LiteX's platform, what LiteX calls them, whether it is an ECP5: its input
-cells are ``paired``, its ``Mac`` works ``in_words``, its processor has ``compressed`` instructions,
-as its block RAM is scarce."""
+cells are ``paired``, its ``Mac`` works ``in_words``, its Sender is ``buffered``, and its processor
+has ``compressed`` instructions, as its block RAM is scarce."""
 _CLOCKS = {"sys": 1, "reset": 1, "transmit": 1, "rx": 1, "tx": 1}
 _PINS = {"rx_data": 4, "rx_ctl": 1, "tx_data": 4, "tx_ctl": 1, "rst_n": 1}
 _MDIO = {"mdc": 1, "data": 1, "enable": 1, "pin": 1}

@@ -454,7 +454,7 @@ def firmware_image(text, soc, folder):
     fast = [FIRMWARE / name for name in SOURCES if name not in _SLOW]
     slow = [*(FIRMWARE / name for name in _SLOW), *DRIVER]
     for name, optimisation, sources in (("fast", _FAST, fast), ("slow", _SMALL, slow),
-                                   ("lwip", _SMALL, [lwip / name for name in FILES])):
+                                        ("lwip", _SMALL, [lwip / name for name in FILES])):
         (folder / name).mkdir(exist_ok=True)
         _run([_COMPILER, *optimisation, *options, *headers, "-c", *map(str, sources)],
              folder / name)

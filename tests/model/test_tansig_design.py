@@ -65,7 +65,7 @@ def test_costs():
         ("table", 16, 2, 3, 5, 3968), ("table", 20, 2, 3, 5, 8176)]
 
 
-# Multiplications for blocks of 18 bits. Of the table's four parts, one has two bits and is an adder.
+# Multiplications for blocks of 18 bits. Of the table's four parts one, of two bits, is an adder.
 MULTIPLICATIONS = {"mmhbc": 0, "classic": 4, "table": 3}
 
 
