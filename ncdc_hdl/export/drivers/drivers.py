@@ -1,6 +1,7 @@
 """Files for a host: register header, drivers in C, Python and Tcl, lenses, SystemRDL."""
 
 import inspect
+from dataclasses import replace
 from importlib.resources import files
 
 from ncdc_hdl.export.drivers.c_header import c_header, c_lenses, c_lenses_header
@@ -9,7 +10,7 @@ from ncdc_hdl.export.drivers.python_registers import python_lenses, python_regis
 from ncdc_hdl.export.drivers.system_rdl import system_rdl
 from ncdc_hdl.export.drivers.tcl_data import tcl_data
 from ncdc_spec import white_balance
-from ncdc_spec.registers.register_map import COUNTERS
+from ncdc_spec.registers.register_map import absent
 
 __all__ = ["driver_files"]
 
@@ -36,8 +37,10 @@ def driver_files(corrector, named, system=()):
         As in :func:`ncdc_hdl.export.drivers.lenses.lenses_of`.
     """
     lenses = lenses_of(corrector, named)
-    uncounted = () if corrector.hardware.counters else COUNTERS
-    table = (*(row for row in corrector.registers.table if row.name not in uncounted), *system)
+    table = corrector.registers.table
+    # The drivers' code names registers of the lens, also where it is fixed.
+    gone = absent(table, replace(corrector.hardware, fixed_lens=False))
+    table = (*(row for row in table if row.name not in gone), *system)
     host = files("ncdc_hdl.export.drivers") / "host"
     return {
         "ncdc_registers.h": c_header(table),
