@@ -50,7 +50,7 @@ def camera_of(args, geometry, framing):
 
 
 def check_carried(args, geometry, hardware, memory, camera):
-    """Raise :class:`InputError` if the memory does not carry camera and readers alone."""
+    """Raise :class:`InputError` if memory and ports do not carry camera and readers alone."""
     if camera:
         taken(geometry, hardware, memory, args.memory, args.clock, camera, _readers(args))
 

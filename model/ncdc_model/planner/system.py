@@ -17,6 +17,7 @@ _SCREEN = "screen"
 _WAITS = 1.02           # clocks of a frame over those without other traffic: memory is the limit
 
 _RATE_DENOMINATOR = 1 << 16     # of a reader's bytes per clock
+_LEAST_HZ = 1000                # of a steady camera's pixel clock, a whole number of Hz
 
 
 @dataclass(frozen=True)
@@ -149,14 +150,17 @@ def steady_camera(geometry, frames_per_second):
     Raises
     ------
     InputError
-        If the rate is not positive.
+        If the rate is not positive or not finite, or gives less than 1000 samples per second.
     """
-    if not 0 < frames_per_second < float("inf"):
+    width, height = geometry.distorted
+    hz = width * height * frames_per_second
+    if not 0 < hz < float("inf"):
         raise InputError(f"the camera's rate is {frames_per_second:g} frames per second, it must "
                          "be positive")
-    width, height = geometry.distorted
-    return Timing(width, height, line_clocks=width, frame_lines=height,
-                  pixel_clock_hz=max(1, round(width * height * frames_per_second)))
+    if hz < _LEAST_HZ:
+        raise InputError(f"the camera's rate is {frames_per_second:g} frames per second, with "
+                         f"{width}x{height} samples the least is {_LEAST_HZ / width / height:.3g}")
+    return Timing(width, height, line_clocks=width, frame_lines=height, pixel_clock_hz=round(hz))
 
 
 def taken(geometry, hardware, memory, name, clock_mhz, camera, readers):
@@ -178,7 +182,7 @@ def taken(geometry, hardware, memory, name, clock_mhz, camera, readers):
     Raises
     ------
     InputError
-        If the memory does not move as many.
+        If the memory, or the port of one of them, does not move as many.
     """
     width, height = geometry.distorted
     found = {_CAMERA: width * height * camera.frames_per_second}
@@ -190,6 +194,11 @@ def taken(geometry, hardware, memory, name, clock_mhz, camera, readers):
         raise InputError(f"the traffic of {' and '.join(found)} is "
                          f"{sum(found.values()) / 1e6:.0f} MB/s, the memory {name} moves "
                          f"{there / 1e6:.0f} MB/s at most")
+    port = hardware.data_width / 8 * clock_mhz * 1e6        # a word per clock
+    for part, rate in found.items():
+        if rate >= port:
+            raise InputError(f"the traffic of the {part} is {rate / 1e6:.0f} MB/s, a port of "
+                             f"{hardware.data_width} bits moves {port / 1e6:.0f} MB/s at most")
     return found, there
 
 
@@ -215,7 +224,7 @@ def system_plan(descriptor, planned, memory, timing, camera, readers=Readers(), 
     Raises
     ------
     InputError
-        If camera and readers alone need more than the memory moves.
+        If camera and readers alone need more than the memory or their ports move.
     """
     hardware, hz = planned.hardware, planned.clock_mhz * 1e6
     geometry = view.geometry(descriptor.geometry) if view else descriptor.geometry
