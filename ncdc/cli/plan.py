@@ -25,8 +25,8 @@ from ncdc.cli.plan_system import (
 )
 from ncdc.cli.renamed import add_renamed
 from ncdc.cli.view_range import add_view_range, angles_text, report_lines, view_range_of
+from ncdc.planned_timing import planned_timing
 from ncdc.terminal import Progress
-from ncdc_hdl.corrector import Corrector
 from ncdc_model.planner.memory_timing import memory_at
 from ncdc_model.planner.plan import CLOCK_MHZ, plan
 from ncdc_model.planner.scaled import hardware_takes, scaled
@@ -101,7 +101,7 @@ def run(args) -> None:
     if args.system:
         raise InputError("--system is of a board: --board NAME is needed")
     if args.field is not None and not args.camera:
-        raise InputError(f"--field {args.field} is of a sensor: --camera NAME or --board NAME is "
+        raise InputError(f"--field {args.field} is of a sensor: --sensor NAME or --board NAME is "
                          "needed")
     args.clock = CLOCK_MHZ if args.clock is None else args.clock
     if not 1 <= args.clock <= 1000:
@@ -119,7 +119,7 @@ def run(args) -> None:
                         format=args.format, view=views is not None)
 
     def timing(chosen):
-        return Corrector(trained, chosen).timing
+        return planned_timing(trained, descriptor, chosen)
     memory = memory_at(args.memory, args.clock)
     camera = camera_of(args, descriptor.geometry, framing)
     check_carried(args, descriptor.geometry, hardware, memory, camera)

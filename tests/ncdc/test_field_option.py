@@ -66,5 +66,5 @@ def test_a_bad_field_is_one_sentence(net, command, tmp_path, capsys):
 
 def test_a_field_without_a_sensor(net, capsys):
     assert main(["plan", net, "--field", "full"]) == 2
-    assert "--field full is of a sensor: --camera NAME or --board NAME is needed" in \
+    assert "--field full is of a sensor: --sensor NAME or --board NAME is needed" in \
         capsys.readouterr().err

@@ -8,9 +8,11 @@ import pytest
 
 from cameras import barrel_descriptor
 from ncdc.cli import main
+from ncdc.planned_timing import planned_timing
 from ncdc_hdl.corrector import Corrector
 from ncdc_model.planner.lookups import lookups
 from ncdc_model.planner.plan import Fixed, plan
+from ncdc_model.planner.scaled import scaled
 from ncdc_model.planner.tags import Misses, accesses
 from ncdc_model.planner.traffic import distinct_bytes, live_tiles, worst_span
 from ncdc_spec.errors import InputError
@@ -188,6 +190,17 @@ def test_the_command_plans_another_size(net, capsys):
     assert main(["plan", net, "--size", "5120x16", "--to", "stream"]) == 0
     assert ("there is no hardware for 5120x16: coordinates, tags and size registers end at 4096 "
             "pixels a side") in capsys.readouterr().out
+
+
+def test_another_size_has_the_timing_of_its_own_units():
+    """A wider picture has longer rows, whose nodes may take a clock more: fewer tan-sigmoids."""
+    hardware = Hardware(data_width=128, output="stream", lanes=4)
+    trained = replace(barrel_descriptor((96, 80), (96, 80)), nodes=16)
+    wide, wider = scaled(trained, (1920, 80)), scaled(trained, (4160, 80))
+    assert hardware.made_for(trained).share < hardware.made_for(wide).share
+    own = Corrector(wide, hardware).timing
+    assert planned_timing(trained, wide, hardware) == own != Corrector(trained, hardware).timing
+    assert planned_timing(trained, wider, hardware) == own      # no hardware, the same units
 
 
 def test_the_command_plans_a_whole_system(net, capsys):

@@ -2,6 +2,7 @@
 
 from functools import cache
 
+from ncdc.planned_timing import planned_timing
 from ncdc_bench.cost.lenses import trained_at
 from ncdc_bench.synth.measure import cyclone
 from ncdc_hdl.corrector import Corrector
@@ -51,7 +52,7 @@ def _row(degrees, size, synth, show):
     trained = _trained(degrees, base)
     descriptor = trained if size == base else scaled(trained, size)
     planned = plan(descriptor, Hardware(data_width=128, output="stream"), MEMORY,
-                   lambda chosen: Corrector(trained, chosen).timing, clock_mhz=CLOCK_MHZ,
+                   lambda chosen: planned_timing(trained, descriptor, chosen), clock_mhz=CLOCK_MHZ,
                    progress=show or (lambda fraction: None))
     area = dict.fromkeys(("alm", "m10k", "dsp"))
     if synth:
