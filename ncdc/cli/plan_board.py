@@ -8,14 +8,17 @@ from ncdc.cli.plan_system import parts_table
 from ncdc.cli.view_range import views_given
 from ncdc_boards.board import Request
 from ncdc_boards.catalogue import board_for
+from ncdc_model.planner.plan import check_positive
 from ncdc_model.planner.system import traffic
 from ncdc_spec.errors import InputError
+from ncdc_spec.frames import BGRX8
 from ncdc_spec.registers.system_values import memory_bytes
 
 __all__ = ["plan_board"]
 
 # What a board brings itself, and what plan has for it otherwise.
-_OURS = {"memory": "ddr3", "clock": None, "data_width": None, "to": "memory"}
+_OURS = {"memory": "ddr3", "clock": None, "data_width": None, "to": "memory",
+         "format": BGRX8.name}
 _OPTIONS = {"clock": "--core-mhz", "data_width": "--data-width"}
 # Options of a system of the user's own, or of pictures that were not trained.
 _NOT_OURS = "size", "camera_fps", "screen_fps", "network_mbps"
@@ -34,6 +37,10 @@ def plan_board(args, descriptor):
     if views_given(args):
         raise InputError(f"a range of views and --board {args.board} are given, boards have no "
                          f"view")
+    if args.follow:
+        raise InputError(f"--follow and --board {args.board} are given, a frame that follows is "
+                         f"planned without a board only")
+    check_positive(args.rate)
     board, lines = board_for("plan", args.board), []
     design = board.design(
         [(args.descriptor, descriptor)],

@@ -243,6 +243,10 @@ def test_the_command_plans_a_whole_system(net, capsys):
     (["--camera-fps", "nan"], "the camera's rate is nan frames per second"),
     (["--camera-fps", "9", "--min-fps", "60"],
      "9.0 frames per second are predicted for the whole system, whose camera is the limit, 60 are"),
+    (["--min-fps", "0"], "the rate is 0 frames per second, it must be positive"),
+    (["--board", "de1-soc", "--min-fps", "nan"], "the rate is nan frames per second, it must be"),
+    (["--board", "de1-soc", "--follow"], "--follow and --board de1-soc are given"),
+    (["--board", "de1-soc", "--format", "BGR8"], "--format and --board de1-soc are given"),
     (["--board", "de1-soc", "--size", "640x480"], "--size 640x480 and --board de1-soc are given"),
     (["--board", "de1-soc", "--camera-fps", "9"], "--camera-fps 9 and --board de1-soc are given"),
 ])

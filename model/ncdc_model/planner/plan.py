@@ -16,7 +16,7 @@ from ncdc_spec.hardware import Hardware
 from ncdc_spec.interpolation import FAST
 
 __all__ = ["CACHE_BYTES", "CLOCK_MHZ", "Choice", "Fixed", "GAIN", "Plan", "STRIPS", "best_split",
-           "choose", "clocks_limit", "frame_figures", "plan", "worth_timing"]
+           "check_positive", "choose", "clocks_limit", "frame_figures", "plan", "worth_timing"]
 
 CACHE_BYTES = 8192, 16384, 32768, 65536     # sizes to try
 LARGE_CACHE_BYTES = 131072                  # also for pictures that are wider than the hardware's
@@ -270,8 +270,6 @@ def plan(descriptor, hardware, memory, timing, *, fixed=Fixed(), clock_mhz=CLOCK
         configuration reaches the rate.
     """
     model = memory_at(memory, clock_mhz)
-    if rate is not None and not rate > 0:
-        raise InputError(f"the rate is {rate:g} frames per second, it must be positive")
     geometry = descriptor.geometry
     check_format(output_format(hardware.format), geometry)
     limit = clocks_limit(geometry, hardware.lanes, clock_mhz, rate)
@@ -294,14 +292,21 @@ def plan(descriptor, hardware, memory, timing, *, fixed=Fixed(), clock_mhz=CLOCK
     return made
 
 
+def check_positive(rate):
+    """Raise :class:`InputError` if a ``rate`` in frames per second is not positive; None: any."""
+    if rate is not None and not rate > 0:
+        raise InputError(f"the rate is {rate:g} frames per second, it must be positive")
+
+
 def clocks_limit(geometry, lanes, clock_mhz, rate):
     """Largest acceptable number of clocks of a frame.
 
     Raises
     ------
     InputError
-        If a pixel per clock and lane is not fast enough.
+        If the rate is not positive, or a pixel per clock and lane is not fast enough.
     """
+    check_positive(rate)
     pixels = geometry.corrected_width * geometry.corrected_height
     limit = _CLOCKS_GOAL * pixels / lanes if rate is None else clock_mhz * 1e6 / rate
     if limit < pixels / lanes:
