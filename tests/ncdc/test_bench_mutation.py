@@ -110,6 +110,25 @@ def test_a_bench_that_fails_without_a_mutant_is_rejected():
         verdicts_of(Bench("broken", broken), per_module=2)
 
 
+def test_a_bench_without_room_on_the_disk_kills_nothing():
+    def full(verilog, more):
+        if more != ("+mutant_select=0",):
+            raise OSError("no space left on device")
+
+    with pytest.raises(OSError, match="no space left"):
+        verdicts_of(Bench("full", full), per_module=2)
+
+
+@pytest.mark.parametrize("report", [
+    "[]", '{"seed": 1, "per_module": 40}',
+    '{"seed": 1, "per_module": 40, "rows": [{"module": "picture"}]}'])
+def test_another_file_is_not_added_to(report, tmp_path, capsys):
+    (tmp_path / "other.json").write_text(report)
+    assert main(["bench", "mutation", "--add", "--json", str(tmp_path / "other.json")]) == 2
+    assert "is no report of this command" in capsys.readouterr().err
+    assert (tmp_path / "other.json").read_text() == report
+
+
 def test_modules_that_there_are_not_are_named():
     with pytest.raises(InputError, match="no_module is no module of counter, it has counter"):
         mutate(Counter, "counter", per_module=2, modules=["no_module"])

@@ -105,6 +105,8 @@ def _recorded(args):
     try:
         report = json.loads(path.read_text())
         found = report["seed"], report["per_module"]
+        if not all("design" in row for row in report["rows"]):
+            raise KeyError("design")
     except (ValueError, KeyError, TypeError) as error:
         raise InputError(f"{path} is no report of this command") from error
     if found != (args.seed, args.per_module):

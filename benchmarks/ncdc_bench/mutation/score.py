@@ -2,6 +2,7 @@
 
 from collections import Counter
 from dataclasses import dataclass
+from subprocess import SubprocessError
 
 from ncdc_bench.mutation.equivalence import equivalents
 from ncdc_bench.mutation.mutants import Mutant, mutate, selecting
@@ -89,10 +90,13 @@ def killer(benches, mutated, mutant):
 
 
 def failure(bench, verilog, number):
-    """What a bench says of the mutant ``number``, None if nothing."""
+    """What a bench says of the mutant ``number``, None if nothing.
+
+    What fails for want of a program, a file or memory says nothing of the mutant, and is raised.
+    """
     try:
         bench.run(verilog, selecting(number))
-    except InputError:
+    except (InputError, OSError, MemoryError, SubprocessError):
         raise
     except Exception as error:      # whatever fails a test
         return str(error) or type(error).__name__
