@@ -12,7 +12,7 @@ __all__ = ["BAYERS", "BAYER_PHASE", "Geometry", "MAX_SIZE", "MIN_SIZE", "MONO", 
            "STRIP_UNIT", "ValidRows", "check_strip_width", "scan_order"]
 
 MIN_SIZE = 8           # pixels per side: a row has time to fetch the next one's valid spans
-MAX_SIZE = 4096        # pixels per side that the coordinate formats can address
+MAX_SIZE = 4096        # pixels per side, for which positions, tags and sizes are wide enough
 SPANS = 2              # spans of pixels with a source that one row can have
 SCAN = Q(1, 31)        # origin and step of the normalised scan
 STRIP_UNIT = 32        # columns: the width of a strip is a multiple of it

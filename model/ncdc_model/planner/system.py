@@ -17,7 +17,7 @@ _SCREEN = "screen"
 _WAITS = 1.02           # clocks of a frame over those without other traffic: memory is the limit
 
 _RATE_DENOMINATOR = 1 << 16     # of a reader's bytes per clock
-_LEAST_HZ = 1000                # of a steady camera's pixel clock, a whole number of Hz
+_MIN_HZ = 1000                  # of a steady camera's pixel clock, a whole number of Hz
 
 
 @dataclass(frozen=True)
@@ -157,9 +157,9 @@ def steady_camera(geometry, frames_per_second):
     if not 0 < hz < float("inf"):
         raise InputError(f"the camera's rate is {frames_per_second:g} frames per second, it must "
                          "be positive")
-    if hz < _LEAST_HZ:
+    if hz < _MIN_HZ:
         raise InputError(f"the camera's rate is {frames_per_second:g} frames per second, with "
-                         f"{width}x{height} samples the least is {_LEAST_HZ / width / height:.3g}")
+                         f"{width}x{height} samples the least is {_MIN_HZ / width / height:.3g}")
     return Timing(width, height, line_clocks=width, frame_lines=height, pixel_clock_hz=round(hz))
 
 
