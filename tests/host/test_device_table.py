@@ -11,12 +11,12 @@ import pytest
 
 from devices import SIZE, device, small_lens
 from ncdc_host.client.errors import BadValue, DeviceError, DeviceGone, Rejected
-from ncdc_host.client.table import Connection, TableDevice
+from ncdc_host.client.table import Connection, Package, TableDevice, TableStream
 from ncdc_model.example import noise_picture
 from ncdc_model.golden.corrector import correct
 from ncdc_spec.pixel_formats import MONO8, PIXEL_FORMATS
 from ncdc_spec.protocols import table_one
-from ncdc_spec.protocols.features import FEATURES
+from ncdc_spec.protocols.features import FEATURES, system_word
 from ncdc_spec.protocols.table_one import MAX_USERS
 from ncdc_spec.protocols.table_two import HEADER_BYTES, MrawHeader
 from ncdc_spec.sensors import mt9p031
@@ -152,6 +152,27 @@ def test_a_window_is_a_part_of_the_picture(one):
         assert np.array_equal(frame.pixels, golden[12:22, 30:50])
         client.set("CorrectionEnable", False)
         assert (client.get("Width"), client.get("OffsetX")) == (64, 0)
+
+
+class Numbered:
+    """A connection whose frames have given numbers, each a pixel of Mono8."""
+
+    def __init__(self, numbers):
+        self.numbers, self.number = iter(numbers), None
+
+    def picture(self, timeout):
+        self.number = next(self.numbers)
+        return Package(MrawHeader(1, 1, MONO8, "127.0.0.1", 0, self.number), bytes(1))
+
+    def read(self, address):
+        return {system_word("NUMBER_UPPER"): self.number >> 16, system_word("FRAME_RATE"): 65535,
+                system_word("NUMBER_LOWER"): self.number & 0xFFFF}[address]
+
+
+def test_frames_skipped_after_number_0_count():
+    frames = TableStream(None, Numbered([0, 2, 2, 3, 70000]))
+    assert [frames.next().number for _ in range(4)] == [0, 2, 3, 70000]
+    assert (frames.statistics.frames, frames.statistics.skipped) == (4, 1 + 69996)
 
 
 def test_frames_have_rising_numbers_and_times(one):

@@ -292,7 +292,8 @@ class TableStream(FrameStream):
                 self._due = time.monotonic() + 1 / tenths       # seen already: a bit too early
                 continue
             self._due = time.monotonic() + 9 / tenths           # nine tenths of a frame's time
-            self._skipped += max(0, number - self._number - 1) if self._number else 0
+            if self._number is not None:
+                self._skipped += max(0, number - self._number - 1)
             self._number, self._frames = number, self._frames + 1
             self._rate.count()
             return Frame.of_bytes(package.data, (package.header.width, package.header.height),
