@@ -223,6 +223,9 @@ def _system_report(system, planned, framing, geometry):
     None."""
     if system is None:
         return {}
-    return {"beside_camera_clocks_per_pixel": system.clocks / planned.pixels,
-            "camera_frames_per_second": system.camera_fps, "system": system.report(),
-            **(field_report(*framing, geometry) if framing else {})}
+    report = {"beside_camera_clocks_per_pixel": system.clocks / planned.pixels,
+              "camera_frames_per_second": system.camera_fps, "system": system.report()}
+    if framing:
+        configuration, crop = framing
+        report |= field_report(configuration, crop, geometry)
+    return report
