@@ -50,10 +50,10 @@ def malvar(window, bayer, row, column, first_row, first_column):
         return 2 * sum(weight * int(window[row + y, column + x])
                        for (y, x), weight in kernel.items())
     y, x = first_row + row, first_column + column
-    here, beside = filter_at(bayer, y, x), filter_at(bayer, y, x + 1)
+    here, right = filter_at(bayer, y, x), filter_at(bayer, y, x + 1)
     kernels = {here: {(0, 0): 8}}
     if here == "G":
-        kernels |= {beside: CHROMA_IN_ROW, {"R": "B", "B": "R"}[beside]: CHROMA_IN_COLUMN}
+        kernels |= {right: CHROMA_IN_ROW, {"R": "B", "B": "R"}[right]: CHROMA_IN_COLUMN}
     else:
         kernels |= {"G": GREEN_AT_CHROMA, {"R": "B", "B": "R"}[here]: CHROMA_AT_CHROMA}
     return [total(kernels[colour]) for colour in "RGB"]
