@@ -84,6 +84,8 @@ class Hardware:
     video : str
         Packets of a stream: "plain", one packet of pixels per frame, or "vip", those of Intel's
         Video and Image Processing Suite.
+    lut_tiles : bool
+        Whether half of the tile cache is made of LUTs instead of block RAM.
     fixed_lens : bool
         Whether lens, sizes, format and order of pixels are constants: of the set, only addresses
         and colour have registers.
@@ -96,10 +98,10 @@ class Hardware:
     ------
     InputError
         If a value is none of the above, strips or a format are asked of a stream, the multiport
-        fetcher is to give more than one pixel per clock or gains of raw samples, packets of
-        Intel's suite are asked of anything but a stream of Avalon's with one pixel per clock, or
-        several views of hardware without a view, or of a stream, or a table of matrices without
-        a view, with a list of views, or of other than 2 to 64, or a view of a fixed lens.
+        fetcher is to give more than one pixel per clock, gains of raw samples or tiles in LUTs,
+        packets of Intel's suite are asked of anything but a stream of Avalon's with one pixel per
+        clock, or several views of hardware without a view, or of a stream, or a table of matrices
+        without a view, with a list of views, or of other than 2 to 64, or a view of a fixed lens.
     """
     data_width: int = 32
     output: str = "memory"
@@ -119,6 +121,7 @@ class Hardware:
     format: str = BGRX8.name
     bus: str = BUSES[0]
     video: str = VIDEOS[0]
+    lut_tiles: bool = False
     fixed_lens: bool = False
     follow: bool = True
     counters: bool = True
@@ -145,6 +148,8 @@ class Hardware:
         if self.lanes > 1 and not self.cached:
             raise InputError(f"pixels per clock is {self.lanes}, the multiport fetcher can have 1 "
                              f"only")
+        if self.lut_tiles and not self.cached:
+            raise InputError("fetch is multiport, tiles in LUTs need cache")
         if self.raw_balance and not self.cached:
             raise InputError("fetch is multiport, gains of raw samples need cache")
         if self.fixed_lens and self.view:
@@ -338,8 +343,9 @@ class Hardware:
                 "share": self.share, "multiplier_bits": self.multiplier_bits,
                 "pixels_per_clock": self.lanes, "format": None if self.stream else self.format,
                 "colour": self.colour, "raw_balance": self.raw_balance, "view": self.view,
-                "views": self.views, "view_rows": self.view_rows, "fixed_lens": self.fixed_lens,
-                "follow": self.follow, "counters": self.counters, "bus": self.bus,
+                "views": self.views, "view_rows": self.view_rows,
+                "lut_tiles": self.lut_tiles, "fixed_lens": self.fixed_lens, "follow": self.follow,
+                "counters": self.counters, "bus": self.bus,
                 "video": self.video if self.stream else None}
 
     def options(self, geometry):
@@ -356,6 +362,7 @@ class Hardware:
                 *(["--view"] if self.view else []),
                 *([f"--views {self.views}"] if self.views else []),
                 *([f"--view-rows {self.view_rows}"] if self.view_rows else []),
+                *(["--lut-tiles"] if self.lut_tiles else []),
                 *(["--fixed-lens"] if self.fixed_lens else []),
                 *([] if self.follow else ["--no-follow"]),
                 *([] if self.counters else ["--no-counters"]),

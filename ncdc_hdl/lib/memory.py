@@ -9,17 +9,18 @@ from amaranth.utils import ceil_log2
 __all__ = ["Fifo", "block_memory"]
 
 
-def block_memory(shape, depth, init=()):
+def block_memory(shape, depth, init=(), in_luts=False):
     """A memory of ``depth`` words of ``shape``; no word is used that is read when it is written.
 
     A word that is read in the clock of its write is undefined in block RAM. A user of this
     memory must not use such a word. Without this guarantee synthesis puts logic after the RAM
     to output the old word, and cannot use the RAM's output register. In simulation the old
-    word is read.
+    word is read. ``in_luts`` keeps it out of block RAM.
     """
-    # The guarantee, as an attribute of Yosys and of Quartus.
-    return Memory(shape=shape, depth=depth, init=list(init),
-                  attrs={"no_rw_check": 1, "ramstyle": "no_rw_check"})
+    # The guarantee and the kind, as attributes of Yosys, of Vivado and of Quartus.
+    kind = {"ram_style": "distributed"} if in_luts else {}
+    return Memory(shape=shape, depth=depth, init=list(init), attrs={
+        "no_rw_check": 1, "ramstyle": "MLAB, no_rw_check" if in_luts else "no_rw_check", **kind})
 
 
 class Fifo(wiring.Component):

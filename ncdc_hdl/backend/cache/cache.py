@@ -48,6 +48,8 @@ class Cache(wiring.Component):
         see ``Boxes``, and else in two or more.
     raw_balance : bool
         Whether samples have gains before they are stored.
+    lut_tiles : bool
+        As of :class:`~ncdc_hdl.backend.cache.tiles.Tiles`.
 
     Members
     -------
@@ -77,7 +79,8 @@ class Cache(wiring.Component):
 
     ports = 1
 
-    def __init__(self, f_bits, data_width, options=CacheOptions(), lanes=1, raw_balance=False):
+    def __init__(self, f_bits, data_width, options=CacheOptions(), lanes=1, raw_balance=False,
+                 lut_tiles=False):
         self.f_bits, self.data_width, self.options, self.lanes = f_bits, data_width, options, lanes
         needs = options.interpolation
         width = word_bytes(data_width, lanes, needs)
@@ -88,7 +91,7 @@ class Cache(wiring.Component):
         self.tags = Tags(f_bits, options, lanes)
         self.raw_balance = raw_balance
         self.fills = Fills(options, data_width, width, raw_balance)
-        self.tiles = Tiles(options, width)
+        self.tiles = Tiles(options, width, lut_tiles)
         self.retire = Retire(f_bits, options, width, lanes)
         super().__init__({
             "base": In(ADDRESS_BITS), "limit": In(ADDRESS_BITS), "pitch": In(SIZE),

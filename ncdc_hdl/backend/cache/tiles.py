@@ -69,6 +69,14 @@ class Tiles(wiring.Component):
 
     Timing: ``samples`` follow a box after 4 clocks: box, address, memory, samples.
 
+    Parameters
+    ----------
+    options : CacheOptions
+    word_bytes : int
+        Bytes of a word, which a bank outputs per clock.
+    lut_tiles : bool
+        The second column of banks, half of the memory, is made of LUTs instead of block RAM.
+
     Members
     -------
     split : ``In``
@@ -81,8 +89,8 @@ class Tiles(wiring.Component):
 
     latency = 4
 
-    def __init__(self, options, word_bytes):
-        self.options, self.word_bytes = options, word_bytes
+    def __init__(self, options, word_bytes, lut_tiles=False):
+        self.options, self.word_bytes, self.lut_tiles = options, word_bytes, lut_tiles
         super().__init__({
             "split": In(range(set_bits(options) + 1)),
             "fill": In(fill_layout(options, word_bytes)),
@@ -120,9 +128,9 @@ class Tiles(wiring.Component):
             for row in range(needs.box_rows):
                 bank = f"bank{row}{column}"
                 # A tile is not read before it is complete, nor written before it has been read.
-                m.submodules[bank] = memory = block_memory(8 * self.word_bytes,
-                                                           (self.options.tiles >> bank_bits + whole)
-                                                           * words)
+                m.submodules[bank] = memory = block_memory(
+                    8 * self.word_bytes, (self.options.tiles >> bank_bits + whole) * words,
+                    in_luts=self.lut_tiles and column == COLUMNS - 1)
                 write, read = memory.write_port(), memory.read_port()
                 m.d.comb += [
                     write.addr.eq(Cat(fill.word, fill_column, fill_row[bank_bits:])),
