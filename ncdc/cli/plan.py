@@ -27,7 +27,7 @@ from ncdc.cli.renamed import add_renamed
 from ncdc.cli.view_range import add_view_range, angles_text, report_lines, view_range_of
 from ncdc.planned_timing import planned_timing
 from ncdc.terminal import Progress
-from ncdc_model.planner.memory_timing import memory_at
+from ncdc_model.planner.memory_timing import MEMORY_NAMES, memory_at
 from ncdc_model.planner.plan import CLOCK_MHZ, plan
 from ncdc_model.planner.scaled import hardware_takes, scaled
 from ncdc_model.planner.views import ViewPlanner
@@ -60,8 +60,7 @@ def add_arguments(parser) -> None:
     parser.add_argument("--system", action="store_true",
                         help="the board with a processor, which sends each corrected picture")
     parser.add_argument("--memory", default="ddr3", metavar="NAME",
-                        help="ideal, sdram, ddr3 (default) or fixed:LATENCY:BYTES, a latency in "
-                             "clocks and bytes per clock")
+                        help=f"one of {MEMORY_NAMES} (default: ddr3)")
     parser.add_argument("--core-mhz", dest="clock", type=float, metavar="MHZ",
                         help=f"clock of the corrector (default: {CLOCK_MHZ:g})")
     add_renamed(parser, "--clock", "--core-mhz", dest="clock", type=float)

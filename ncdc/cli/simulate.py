@@ -16,7 +16,7 @@ from ncdc.terminal import Progress
 from ncdc_model.correction import correct
 from ncdc_model.images import check_suffix, write_image
 from ncdc_model.planner.follow import camera_line
-from ncdc_model.planner.memory_timing import DramMemory, LatencyMemory
+from ncdc_model.planner.memory_timing import MEMORY_NAMES, DramMemory, LatencyMemory
 from ncdc_sim.memory.timing import simulated_memory
 from ncdc_sim.system.corrector import simulate_correction
 from ncdc_sim.tools import SIMULATORS
@@ -41,10 +41,8 @@ def add_arguments(parser) -> None:
     add_hardware(parser.add_argument_group("hardware", "none of it changes a pixel"))
     run = parser.add_argument_group("simulation")
     run.add_argument("--memory", default="sdram", metavar="NAME",
-                     help="simulated memory: ideal, sdram (default), ddr3, ddr3-1066, hps, "
-                          "hostile, sdram@MHZ, ddr3@MHZ, ddr3-1066@MHZ, hps@MHZ, "
-                          "fixed:LATENCY:BYTES (clocks, bytes per clock), or the controller "
-                          "LiteDRAM: litedram, litedram-ddr3")
+                     help=f"simulated memory: one of {MEMORY_NAMES}, or the controller LiteDRAM: "
+                          "litedram, litedram-ddr3 (default: sdram)")
     run.add_argument("--simulator", choices=SIMULATORS, default="verilator",
                      help="verilator (default) or icarus, which takes some 100 times as long")
     run.add_argument("--seed", type=int, default=1, metavar="S",

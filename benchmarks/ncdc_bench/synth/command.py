@@ -29,7 +29,7 @@ def add_arguments(parser):
                         help="only these variants of the blocks, as in the table")
     parser.add_argument("--target", nargs="+", choices=TARGETS, metavar="NAME",
                         help=f"of {', '.join(TARGETS)} (default: all)")
-    parser.add_argument("--seeds", type=int, default=_SEEDS, metavar="N",
+    parser.add_argument("--seeds", type=int, metavar="N",
                         help=f"placements on ECP5, whose median clock counts (default: {_SEEDS})")
     parser.add_argument("--plain", action="store_true",
                         help="on ECP5 also the clock of the netlist as Yosys leaves it, the "
@@ -44,7 +44,7 @@ def add_arguments(parser):
 
 def run(args):
     """Synthesise what is not known yet, and report."""
-    if args.seeds < 1:
+    if args.seeds is not None and args.seeds < 1:
         raise InputError(f"seeds is {args.seeds}, the minimum is 1")
     chosen = [(block, variant) for block in args.block for variant in BLOCKS[block]
               if not args.variant or variant in args.variant]
@@ -56,6 +56,9 @@ def run(args):
                               if not args.breakdown or name in BROKEN_DOWN]
     if args.plots and not args.breakdown:
         raise InputError(f"--plots {args.plots} is given, it needs --breakdown")
+    for option in ("seeds", "plain"):
+        if args.breakdown and getattr(args, option):
+            raise InputError(f"--{option} is given, --breakdown places nothing")
     check_tools()
     if args.breakdown:
         run_breakdown(chosen, targets, args)
@@ -63,7 +66,7 @@ def run(args):
     rows = []
     for k, (block, variant) in enumerate(chosen):
         steps = Steps(f"{k + 1} of {len(chosen)}, {block} {variant}")
-        rows += block_rows(block, variant, targets, args.seeds, steps, args.plain)
+        rows += block_rows(block, variant, targets, args.seeds or _SEEDS, steps, args.plain)
         steps("done")
     if not write_report({"tools": tool_versions(), "rows": rows}, args.json):
         print(table(rows))

@@ -19,6 +19,7 @@ from ncdc.toolchain.flows import (
     cyclone_v,
     ecp5,
     module_tree,
+    paired,
     plain_netlist,
     tool_versions,
 )
@@ -135,7 +136,8 @@ def breakdown_of(block, variant, target, progress=lambda step: None):
         progress("modules")
         return breakdown.breakdown(module_tree(verilog), *netlists, "block")
     return _once(f"breakdown-{target}", [
-        verilog, *map(inspect.getsource, (flow, module_tree, breakdown)), *SCRIPTS[target]], make)
+        verilog, *map(inspect.getsource, (flow, module_tree, breakdown, paired)),
+        *SCRIPTS[target]], make)
 
 
 def cyclone(target, verilog, progress):

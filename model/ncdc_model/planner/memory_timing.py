@@ -10,8 +10,8 @@ from fractions import Fraction
 
 from ncdc_spec.errors import InputError
 
-__all__ = ["DramMemory", "LatencyMemory", "MEMORIES", "ddr3", "ddr3_1066", "hps", "memory_at",
-           "memory_timing", "sdram"]
+__all__ = ["DramMemory", "LatencyMemory", "MEMORIES", "MEMORY_NAMES", "ddr3", "ddr3_1066", "hps",
+           "memory_at", "memory_timing", "sdram"]
 
 MAX_PENDING = 64        # read commands that the port's model can queue
 
@@ -280,6 +280,9 @@ _FIXED = re.compile(r"fixed:(\d+):(\d+(?:\.\d+)?)")
 # Those whose timing in clocks depends on the corrector's clock.
 _BY_CLOCK = {"sdram": sdram, "ddr3": ddr3, "ddr3-1066": ddr3_1066, "hps": hps}
 _CLOCKED = re.compile(rf"({'|'.join(_BY_CLOCK)})@(\d+(?:\.\d+)?)")
+MEMORY_NAMES = (f"{', '.join(MEMORIES)}, {', '.join(f'{name}@MHZ' for name in _BY_CLOCK)}, "
+                "fixed:LATENCY:BYTES (clocks, bytes per clock)")
+"""Names that :func:`memory_timing` accepts, for people."""
 
 
 def memory_timing(memory, others=()):
