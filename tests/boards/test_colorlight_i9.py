@@ -8,12 +8,10 @@ import pytest
 from cameras import barrel_descriptor
 from litex_pins import litex_pins
 from ncdc.cli import main
-from ncdc_boards.camera_board.design import hardware_for
-from ncdc_boards.colorlight_i9.board import BOARD
 from ncdc_boards.colorlight_i9.clocks import clock_plan
 from ncdc_boards.colorlight_i9.platform import CAMERA_WIRES, ColorlightI9Platform
 from ncdc_spec.errors import InputError
-from ncdc_spec.interpolation import DIRECTIONAL, FAST, GRADIENT
+from ncdc_spec.interpolation import GRADIENT
 
 litex = pytest.importorskip("litex_boards.platforms.colorlight_i5")
 
@@ -125,11 +123,6 @@ def test_what_does_not_fit_is_rejected(tmp_path, capsys, sizes, options, said):
 
 def test_an_interpolation_without_space_is_rejected(tmp_path, capsys):
     path = tmp_path / "net.toml"
-    barrel_descriptor((64, 24), (64, 24), hidden_neurons=2, interpolation=DIRECTIONAL).save(path)
-    assert "has space for fast and gradient: ncdc train --interpolation gradient" in rejected(
+    barrel_descriptor((64, 24), (64, 24), hidden_neurons=2, interpolation=GRADIENT).save(path)
+    assert "has space for fast: ncdc train --interpolation fast" in rejected(
         capsys, path, "-o", tmp_path / "out")
-
-
-def test_half_of_the_tiles_of_gradient_are_in_luts():
-    made = [hardware_for(BOARD, interpolation=one).lut_tiles for one in (FAST, GRADIENT)]
-    assert made == [False, True]

@@ -77,9 +77,7 @@ class CameraBoard:
     byte_masks : bool
         The device reaches the SDRAM's DQM; else whole words are written.
     interpolations : tuple of str
-        Those for which it has block RAM.
-    lut_tiles : tuple of str
-        Those for which half of the tile cache is made of LUTs, for want of block RAM.
+        Those for which it has space.
     pattern_bits : int
         Bits of block RAM for a test pattern instead of a sensor; 0: it is not supported.
     csi_lane_hz : int
@@ -102,7 +100,6 @@ class CameraBoard:
     screen: bool = True
     byte_masks: bool = True
     interpolations: tuple = tuple(INTERPOLATIONS)
-    lut_tiles: tuple = ()
     pattern_bits: int = 0
     csi_lane_hz: int = 0
 
@@ -123,8 +120,7 @@ class CameraBoard:
         self.clock_plan(mode, self.core_mhz)
         sensor, pattern = self._sensor(descriptor, request)
         check_lanes(self, hardware_for(self), request.lanes)
-        hardware = plan(hardware_for(self, request.lanes, request.colour,
-                                     descriptor.geometry.interpolation), descriptor)
+        hardware = plan(hardware_for(self, request.lanes, request.colour), descriptor)
         design = design_of(self, named, sensor, mode, hardware=hardware, pattern=pattern,
                            processor=request.processor or not self.screen)
         check_memory(design, sensor[0])

@@ -14,7 +14,6 @@ from ncdc_spec.camera_port import CSI2, CameraPort
 from ncdc_spec.errors import InputError
 from ncdc_spec.frames import BGR8, output_format
 from ncdc_spec.hardware import Hardware
-from ncdc_spec.interpolation import FAST
 from ncdc_spec.sensors.catalogue import sensor_named, setup
 from ncdc_spec.sensors.field import FULL
 from ncdc_spec.sensors.framing import grid_row, setup_around
@@ -31,12 +30,11 @@ _CSI_RATE = 24          # frames a second: more would leave the memory no time t
 READER_OF_HOST = 0      # for a host at the serial port; the processor's readers come after it
 
 
-def hardware_for(board, lanes=1, colour=False, interpolation=FAST):
+def hardware_for(board, lanes=1, colour=False):
     """The :class:`Hardware` that suits a board, before configuration; ``lanes`` pixels a clock,
-    with gains, tone curve and sums if ``colour``, for raw windows of the ``interpolation``."""
+    with gains, tone curve and sums if ``colour``."""
     return Hardware(data_width=_DATA_WIDTH, format=BGR8.name, lanes=lanes,
-                    multiplier_bits=board.multiplier_bits, colour=colour,
-                    lut_tiles=interpolation.name in board.lut_tiles)
+                    multiplier_bits=board.multiplier_bits, colour=colour)
 
 
 def sensor_for(name, geometry, *, pixel_clock_hz=0, **settings):
@@ -108,10 +106,10 @@ def design_of(board, named, sensor, mode, *, hardware=None, core_mhz=None, proce
         raise InputError(f"{len(named)} descriptors are given, the board {board.name} has no "
                          "buttons to choose one: 1 fits, others are loaded over the network")
     descriptor = named[0][1]
-    interpolation = descriptor.geometry.interpolation
-    hardware = hardware or hardware_for(board, interpolation=interpolation)
-    if interpolation.name not in board.interpolations:
-        raise InputError(f"the interpolation is {interpolation.name}, the block RAM of "
+    hardware = hardware or hardware_for(board)
+    interpolation = descriptor.geometry.interpolation.name
+    if interpolation not in board.interpolations:
+        raise InputError(f"the interpolation is {interpolation}, the device of "
                          f"{board.name} has space for {' and '.join(board.interpolations)}: "
                          f"ncdc train --interpolation {board.interpolations[-1]}")
     _check_rows(board, descriptor.geometry, hardware)
