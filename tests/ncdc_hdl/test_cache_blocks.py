@@ -5,6 +5,7 @@ import pytest
 
 from ncdc_hdl.backend.cache.align import align_for
 from ncdc_hdl.backend.cache.boxes import Boxes
+from ncdc_hdl.backend.cache.narrow import Narrow
 from ncdc_hdl.backend.cache.tiles import Tiles
 from ncdc_spec.cache_options import CacheOptions
 from ncdc_spec.interpolation import FAST, GRADIENT
@@ -37,7 +38,8 @@ def parts(x0, y0, blank, lanes, needs, size, word):
            max(min(y0[k] + needs.after, size - 1) for k in used))
     rows, tile_rows = (4, 2) if needs == FAST else (8, 4)
     height = 4 if needs == FAST else 2
-    if len(lanes) == 1 or (box[2] // word - box[0] // word <= 1 and box[3] - box[1] < rows
+    if len(lanes) == 1 or (box[2] // word - box[0] // word <= 1 and box[2] - box[0] < 16
+                           and box[3] - box[1] < rows
                            and box[3] // height - box[1] // height < tile_rows):
         return [(lanes, box)]
     half = len(lanes) // 2
@@ -134,7 +136,24 @@ def test_any_window_in_one_clock(needs, word_bytes, split):
     run_bench(tiles, bench)
 
 
-@pytest.mark.parametrize("needs,word_bytes", sorted({each[:2] for each in MEMORIES}, key=str))
+def test_the_columns_of_a_box_are_taken():
+    narrow = Narrow(GRADIENT)
+    block = np.random.default_rng(2).integers(0, 256, (GRADIENT.box_rows, 32))
+
+    async def take(ctx):
+        ctx.set(narrow.samples, block.tolist())
+        for first in range(32):
+            ctx.set(narrow.odd_tile, first >> 4)
+            ctx.set(narrow.column, first & 15)
+            await ctx.tick().repeat(1 + narrow.latency)
+            for x in range(first, first + 16):
+                assert [ctx.get(row[x % 16]) for row in narrow.o] == block[:, x % 32].tolist()
+
+    run_bench(narrow, take)
+
+
+@pytest.mark.parametrize("needs,word_bytes", sorted(
+    {each[:2] for each in MEMORIES if each[1] < 16}, key=str))
 def test_windows_are_cut_from_the_samples(needs, word_bytes):
     """Every position modulo the samples; of windows with a margin, with every edge now and then."""
     rng = np.random.default_rng(word_bytes)

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ncdc_model.correction import Correction
+from ncdc_spec.cache_options import BOX_COLUMNS
 from ncdc_spec.geometry import scan_order
 from ncdc_spec.hardware import check_lanes
 from ncdc_spec.interpolation import FAST, Interpolation
@@ -102,7 +103,7 @@ def lookups(windows, strip=0, lanes=1):
 
     A group of ``lanes`` neighbours of a row is one look-up if all samples of its pixels that are
     not blank fit a box that the tile memory reads in one clock: four rows, or eight for an
-    interpolation with larger windows, and two words of ``Interpolation.box_word`` samples across.
+    interpolation with larger windows, and 16 columns in two words of ``Interpolation.box_word``.
     Else the group is divided in halves, and these likewise.
 
     Raises
@@ -175,8 +176,8 @@ class _Edges:
         needs = self.interpolation
         across = self.x1 // self.word - self.x0 // self.word
         down = self.y1 // needs.tile_height - self.y0 // needs.tile_height
-        return ~self.used | ((across <= 1) & (self.y1 - self.y0 < needs.box_rows)
-                             & (down < needs.tile_rows))
+        return ~self.used | ((across <= 1) & (self.x1 - self.x0 < BOX_COLUMNS)
+                             & (self.y1 - self.y0 < needs.box_rows) & (down < needs.tile_rows))
 
     def joined(self):
         """Boxes around each two neighbours; blank ones are ignored."""

@@ -51,7 +51,7 @@ class _Align(wiring.Component):
         super().__init__({
             "take": In(1),
             "samples": In(samples_layout(word_bytes, interpolation)),
-            "x": In(ceil_log2(max(TILE_WIDTH, COLUMNS * word_bytes))),
+            "x": In(ceil_log2(TILE_WIDTH)),
             "y": In(ceil_log2(interpolation.box_rows)),
             "o": Out(data.ArrayLayout(8, len(interpolation.samples))),
         } | {name: In(layout) for name, layout in layouts.items()}

@@ -10,6 +10,7 @@ from amaranth.utils import ceil_log2, exact_log2
 
 from ncdc_hdl.backend.layouts import request_layout
 from ncdc_hdl.lib.groups import lanes_of
+from ncdc_spec.cache_options import BOX_COLUMNS
 from ncdc_spec.geometry import MAX_SIZE
 from ncdc_spec.interpolation import FAST
 
@@ -31,8 +32,9 @@ def box_layout(f_bits, lanes, interpolation=FAST):
 class Boxes(wiring.Component):
     """One box for all windows of a group if it can be read in one clock; else one per half.
 
-    A box fits if it has at most two words of the tile memory across (``Interpolation.box_word``),
-    the rows that it outputs, and as many rows of tiles as can be looked up. A group that does not
+    A box fits if it has at most 16 columns, in two words of the tile memory
+    (``Interpolation.box_word``), the rows that it outputs, and as many rows of tiles as can be
+    looked up. A group that does not
     fit is cut in halves, these likewise, from left to right; the window of one pixel always fits.
     Blank pixels take no part.
 
@@ -183,12 +185,15 @@ class Boxes(wiring.Component):
         A box of several rows of tiles is limited by their number, else by its rows.
         """
         needs = self.interpolation
-        word = exact_log2(needs.box_word(self.lanes))
+        word = needs.box_word(self.lanes)
         height, rows = needs.tile_height, needs.tile_rows
         low, limit = 0, needs.box_rows
         if rows * height <= limit:
             low, limit = exact_log2(height), rows
-        return (b.x1[word:] - a.x0[word:] <= 1) & (b.y1[low:] - a.y0[low:] < limit)
+        # Of two words of all columns, so many lie in two words at any position.
+        left = exact_log2(word) if word < BOX_COLUMNS else 0
+        return ((b.x1[left:] - a.x0[left:] < (2 if left else BOX_COLUMNS))
+                & (b.y1[low:] - a.y0[low:] < limit))
 
 
 def _any(values):

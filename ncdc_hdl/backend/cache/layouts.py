@@ -61,7 +61,8 @@ def window_position_layout(f_bits, options, lanes):
     ``fy`` relative to it, ``blank``, and :func:`edges`. A group of several lanes may
     take several look-ups: ``mask`` marks the lanes of this one, ``end`` the
     group's last one. The box begins at ``word`` and ``row`` of the first tile. A single window
-    without a margin begins at its ``x`` and ``y``.
+    without a margin begins at its ``x`` and ``y``. With whole rows of tiles as words, which are
+    narrowed to the box, it begins at ``column`` of the word.
     """
     needs = options.interpolation
     word = needs.box_word(lanes)
@@ -69,13 +70,15 @@ def window_position_layout(f_bits, options, lanes):
         "set": set_bits(options), "next_set": set_bits(options),
         "odd_tile": data.StructLayout({"x": 1, "y": row_bits(options)}),
         "lane": data.ArrayLayout(data.StructLayout(
-            {"x": ceil_log2(max(TILE_WIDTH, 2 * word)), "y": ceil_log2(needs.box_rows),
+            {"x": ceil_log2(TILE_WIDTH), "y": ceil_log2(needs.box_rows),
              "fx": f_bits, "fy": f_bits, "blank": 1, **edges(needs)}), lanes),
         "first": 1, "last": 1}
     if lanes > 1:
         fields |= {"mask": lanes, "end": 1}
     if lanes > 1 or needs.margin:
         fields |= {"word": ceil_log2(TILE_WIDTH // word), "row": ceil_log2(options.tile_height)}
+    if word == TILE_WIDTH:
+        fields |= {"column": ceil_log2(TILE_WIDTH)}
     return data.StructLayout(fields)
 
 

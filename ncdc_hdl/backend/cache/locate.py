@@ -98,6 +98,8 @@ class Locate(wiring.Component):
         if "word" in position.shape().members:
             m.d.comb += [position.word.eq(t.x0[_X_BITS - len(position.word):]),
                          position.row.eq(t.y0)]
+        if "column" in position.shape().members:
+            m.d.comb += position.column.eq(t.x0)
         # The tile after an even one is in the same pair, that after an odd one in the next.
         # Not read back from ``o``: simulators treat a vector as one signal.
         set_x = [Signal(len(mask_x), name=f"set_x{odd}") for odd in range(2)]

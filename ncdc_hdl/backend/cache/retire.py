@@ -7,12 +7,14 @@ from amaranth.utils import ceil_log2
 
 from ncdc_hdl.backend.cache.align import align_for
 from ncdc_hdl.backend.cache.layouts import window_position_layout
+from ncdc_hdl.backend.cache.narrow import Narrow
 from ncdc_hdl.backend.cache.tiles import Tiles, box_layout, samples_layout
 from ncdc_hdl.backend.layouts import edges, window_layout
 from ncdc_hdl.lib.credits import Credited
 from ncdc_hdl.lib.groups import lanes_of
 from ncdc_hdl.lib.memory import Fifo
 from ncdc_hdl.lib.pipeline import register
+from ncdc_spec.cache_options import BOX_COLUMNS, TILE_WIDTH
 
 __all__ = ["Retire"]
 
@@ -60,7 +62,10 @@ class Retire(wiring.Component):
         self.f_bits, self.options = f_bits, options
         self.word_bytes, self.lanes = word_bytes, lanes
         self.position_shape = window_position_layout(f_bits, options, lanes)
-        self.aligns = [align_for(word_bytes, options.interpolation) for _ in range(lanes)]
+        # Whole rows of tiles: of their columns only those of the box are aligned.
+        self.narrow = Narrow(options.interpolation) if word_bytes == TILE_WIDTH else None
+        self.aligns = [align_for(min(word_bytes, BOX_COLUMNS // 2), options.interpolation)
+                       for _ in range(lanes)]
         super().__init__({
             "push": In(1),
             "position": In(self.position_shape),
@@ -76,8 +81,13 @@ class Retire(wiring.Component):
 
     @property
     def retire_to_window(self):
-        """Clocks from ``retire``, which is B, to the window at ``o``: M and S, the alignment."""
-        return Tiles.latency - 2 + self.aligns[0].latency
+        """Clocks from ``retire``, which is B, to the window at ``o``: M and S, N, the alignment."""
+        return Tiles.latency - 2 + self._narrowing + self.aligns[0].latency
+
+    @property
+    def _narrowing(self):
+        """Clocks from the samples to those of the box."""
+        return self.narrow.latency if self.narrow else 0
 
     @property
     def latency(self):
@@ -104,7 +114,8 @@ class Retire(wiring.Component):
         with m.If(load):
             m.d.sync += [oldest_valid.eq(following_valid), oldest.eq(following)]
         self._count(m, load & following_valid, following_owed, enough)
-        (b_valid, _), (_, ahead), *_, (w_valid, w) = self._stages(m, pop, oldest)
+        stages = self._stages(m, pop, oldest)
+        (b_valid, _), *_, (w_valid, w) = stages
         word, row = self._corner(following)
         m.d.comb += [
             self.retire.eq(b_valid), self.load.eq(load),
@@ -112,7 +123,15 @@ class Retire(wiring.Component):
             self.box.odd_tile.eq(following.odd_tile),
             self.box.word.eq(word), self.box.row.eq(row),
         ]
-        self._windows(m, ahead, w_valid, w)
+        samples = self.samples
+        if self.narrow:
+            m.submodules.narrow = narrow = self.narrow
+            _, in_m = stages[1]
+            m.d.comb += [narrow.odd_tile.eq(in_m.odd_tile.x), narrow.column.eq(in_m.column),
+                         narrow.samples.eq(samples)]
+            samples = narrow.o
+        _, ahead = stages[1 + self._narrowing]
+        self._windows(m, samples, ahead, w_valid, w)
         return m
 
     def _queue(self, m, load):
@@ -154,22 +173,22 @@ class Retire(wiring.Component):
         """Registers of the stages after the oldest look-up, each (valid, position).
 
         B: the tile memory has the box's address. M: its banks output their words. S: they are
-        samples. W, and as many more as the alignment has: each window is cut out of them; with the
-        last stage of the alignment it is in the output.
+        samples. N, if they are narrowed: those of the box. W, and as many more as the alignment
+        has: each window is cut out of them; with the last stage of the alignment it is in the
+        output.
         """
         stages, before = [], (pop, oldest)
         cuts = self.aligns[0].latency - 1
-        for name in (*"bms", *(f"w{k}" if k else "w" for k in range(cuts))):
+        for name in (*"bmsn"[:3 + self._narrowing], *(f"w{k}" if k else "w" for k in range(cuts))):
             before = (register(m, f"{name}_valid", before[0], reset_less=False),
                       register(m, name, before[1]))
             stages.append(before)
         return stages
 
-    def _windows(self, m, ahead, w_valid, w):
-        """Cut the windows out of the samples.
+    def _windows(self, m, samples, ahead, w_valid, w):
+        """Cut the windows out of the ``samples``.
 
-        The position ``ahead`` is in stage M, a clock before its samples; ``w`` is in the last
-        stage.
+        The position ``ahead`` is in the stage before theirs; ``w`` is in the last stage.
         """
         several, o = self.lanes > 1, self.o.payload
         # A group that took several look-ups is gathered in the output: it leaves with the last.
@@ -179,7 +198,7 @@ class Retire(wiring.Component):
             take = w_valid & w.mask[k] if several else Const(1)
             m.submodules[f"align{k}"] = align = self.aligns[k]
             m.d.comb += [
-                align.take.eq(take), align.samples.eq(self.samples),
+                align.take.eq(take), align.samples.eq(samples),
                 align.x.eq(ahead.lane[k].x), align.y.eq(ahead.lane[k].y), out.samples.eq(align.o),
                 *(getattr(align, edge).eq(ahead.lane[k][edge])
                   for edge in edges(self.options.interpolation)),

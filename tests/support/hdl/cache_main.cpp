@@ -229,8 +229,8 @@ private:
             y0 = std::min(y0, first(p.y)), y1 = std::max(y1, last(p.y, f.height));
         }
         if (!any) return;
-        if (count > 1 && (x1 / NCDC_BOX_WORD > x0 / NCDC_BOX_WORD + 1 || y1 >= y0 + NCDC_BOX_ROWS
-                          || y1 / kHeight >= y0 / kHeight + kRows)) {
+        if (count > 1 && (x1 / NCDC_BOX_WORD > x0 / NCDC_BOX_WORD + 1 || x1 >= x0 + 16
+                          || y1 >= y0 + NCDC_BOX_ROWS || y1 / kHeight >= y0 / kHeight + kRows)) {
             ask(group, from, count / 2);
             ask(group, from + count / 2, count / 2);
             return;
