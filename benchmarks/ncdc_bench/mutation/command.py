@@ -6,6 +6,7 @@ from pathlib import Path
 from ncdc.cli.common import add_json, report_failures, write_report
 from ncdc.terminal import Progress
 from ncdc.text_table import text_table
+from ncdc_bench.mutation.equivalence import SECONDS
 from ncdc_spec.errors import InputError
 
 __all__ = ["EXAMPLE", "HELP", "MIN_OVERALL", "MIN_SCORE", "add_arguments", "run"]
@@ -33,6 +34,9 @@ def add_arguments(parser):
                              f"{_MUTANTS}; of the model all)")
     parser.add_argument("--seed", type=int, default=1, metavar="N",
                         help="of their choice (default: 1)")
+    parser.add_argument("--proof-seconds", type=float, metavar="S",
+                        help=f"for proofs of equivalence in each module of the gateware, 0: none "
+                             f"(default: {SECONDS})")
     parser.add_argument("--survivors", action="store_true",
                         help="print each survivor's line and change")
     parser.add_argument("--add", action="store_true",
@@ -45,9 +49,13 @@ def run(args):
     """Judge all mutants; 1 if a score is below its limit."""
     if args.per_module is not None and args.per_module < 1:
         raise InputError(f"mutants per module are {args.per_module}, the least is 1")
+    if args.proof_seconds is not None and args.proof_seconds < 0:
+        raise InputError(f"the seconds for proofs are {args.proof_seconds}, the least is 0")
     if args.model:
         return _model(args)
     args.per_module = args.per_module or _MUTANTS
+    if args.proof_seconds is None:
+        args.proof_seconds = SECONDS
     return _gateware(args)
 
 
@@ -55,9 +63,9 @@ def _model(args):
     """Judge mutants of the golden model."""
     from ncdc_bench.mutation.golden import run_golden  # needs Cosmic Ray
 
-    for name in ("design", "survivors", "add"):
-        if getattr(args, name):
-            raise InputError(f"--{name} is given, --model does not support it")
+    for name in ("design", "survivors", "add", "proof_seconds"):
+        if getattr(args, name) not in (None, False):
+            raise InputError(f"--{name.replace('_', '-')} is given, --model does not support it")
     return run_golden(args.module, args.per_module, args.seed, args.json)
 
 
@@ -76,7 +84,8 @@ def _gateware(args):
     for name in chosen:
         skipped = {row["module"] for row in table if row["design"] == name}
         for verdicts in judge(known[name], per_module=args.per_module, seed=args.seed,
-                              modules=args.module, skipped=skipped, progress=Progress(name)):
+                              modules=args.module, skipped=skipped,
+                              seconds=args.proof_seconds, progress=Progress(name)):
             table.append({"design": name} | row_of(verdicts))
             report["summary"] = summary(table)
             if args.add:

@@ -22,8 +22,8 @@ class Bench:
     ----------
     name : str
     run : callable
-        Called with a Verilog text and further plusargs. Raises AssertionError or SimulationError
-        if the design is not as it must be.
+        Called with a Verilog text and a list, to which it adds a :class:`Transcript` of each of its
+        simulations. Raises AssertionError or SimulationError if the design is not as it must be.
     """
     name: str
     run: Callable

@@ -5,14 +5,15 @@ from pathlib import Path
 
 from ncdc_bench.mutation.yosys import run_yosys
 
-__all__ = ["equivalents"]
+__all__ = ["SECONDS", "equivalents"]
 
-_TIMEOUT = 120      # seconds for the mutants of a module; then each is tried alone
-_ALONE = 20         # seconds for one mutant
+SECONDS = 120       # for the mutants of a module
+
+_ALONE = 6          # a mutant tried alone has this part of the seconds of all
 _PROVED = "Equivalence successfully proven!"
 
 
-def equivalents(netlist, mutants):
+def equivalents(netlist, mutants, seconds=SECONDS):
     """Numbers of the ``mutants`` of one module that are proved equivalent.
 
     Each holds for all time, whatever the module is given: registers with and without the change
@@ -25,13 +26,15 @@ def equivalents(netlist, mutants):
         RTLIL of the design without mutants.
     mutants : sequence of Mutant
         Those whose proof does not end in time count as different.
+    seconds : float
+        For all together. If that is too short, each is tried alone, for a part of it. 0: no proofs.
     """
-    if not mutants:
+    if not mutants or not seconds:
         return set()
-    together = _proved(netlist, mutants, _TIMEOUT)
+    together = _proved(netlist, mutants, seconds)
     if together is not None:
         return together
-    return set().union(*(_proved(netlist, [one], _ALONE) or set() for one in mutants))
+    return set().union(*(_proved(netlist, [one], seconds / _ALONE) or set() for one in mutants))
 
 
 def _proved(netlist, mutants, timeout):

@@ -115,7 +115,7 @@ def selecting(number):
     return (f"+{SELECT}={number}",)
 
 
-def mutate(make, top, *, per_module, seed=1, modules=None, skipped=()):
+def mutate(make, top, *, per_module, seed=1, modules=None):
     """The :class:`Mutated` design of a component.
 
     Parameters
@@ -130,8 +130,6 @@ def mutate(make, top, *, per_module, seed=1, modules=None, skipped=()):
         Of Yosys's choice.
     modules : collection of str, optional
         Names of the distinct modules; all if absent.
-    skipped : collection of str
-        Names of those that are left out nevertheless.
 
     Raises
     ------
@@ -143,8 +141,7 @@ def mutate(make, top, *, per_module, seed=1, modules=None, skipped=()):
     for name in modules or ():
         if name not in names:
             raise InputError(f"{name} is no module of {top}, it has {', '.join(names)}")
-    chosen = [one for one in distinct if one.name in (modules or names)
-              and one.name not in skipped]
+    chosen = [one for one in distinct if one.name in (modules or names)]
     if len(chosen) * per_module > MAX_MUTANTS:
         raise InputError(f"{per_module} mutants of each of {len(chosen)} modules are asked for, "
                          f"{MAX_MUTANTS} is the limit of all together")

@@ -1,15 +1,16 @@
 """Mutants killed by the benches, proved equivalent, and survivors."""
 
 from collections import Counter
+from contextlib import ExitStack
 from dataclasses import dataclass
 from subprocess import SubprocessError
 
-from ncdc_bench.mutation.equivalence import equivalents
-from ncdc_bench.mutation.mutants import Mutant, mutate, selecting
+from ncdc_bench.mutation.equivalence import SECONDS, equivalents
+from ncdc_bench.mutation.mutants import Mutant, mutate
+from ncdc_bench.mutation.replay import Replay
 from ncdc_spec.errors import InputError
 
-__all__ = ["BrokenBench", "Verdict", "judge", "judge_module", "row_of",
-           "summary"]
+__all__ = ["BrokenBench", "Verdict", "judge", "judge_module", "replay", "row_of", "summary"]
 
 EQUIVALENT, SURVIVED = "equivalent", "survived"
 
@@ -26,26 +27,30 @@ class Verdict:
     ----------
     mutant : Mutant
     by : str
-        Name of the bench that fails with it, :data:`EQUIVALENT`, or :data:`SURVIVED`.
+        Name of the bench that finds it, :data:`EQUIVALENT`, or :data:`SURVIVED`.
     """
     mutant: Mutant
     by: str
 
     @property
     def killed(self):
-        """Whether a bench fails with it."""
+        """Whether a bench finds it."""
         return self.by not in (EQUIVALENT, SURVIVED)
 
 
-def judge(design, *, per_module, seed=1, modules=None, skipped=(),
+def judge(design, *, per_module, seed=1, modules=None, skipped=(), seconds=SECONDS,
           progress=lambda fraction, note="": None):
     """Yield a list for each module of a design: a :class:`Verdict` on each of its mutants.
 
     Parameters
     ----------
     design : Design
-    per_module, seed, modules, skipped :
+    per_module, seed, modules :
         As of :func:`ncdc_bench.mutation.mutants.mutate`.
+    skipped : collection of str
+        Names of modules that are mutated, but not judged.
+    seconds : float
+        For proofs in each module, see :func:`ncdc_bench.mutation.equivalence.equivalents`.
     progress : callable
         Called with a fraction, 0..1, and a note.
 
@@ -56,51 +61,72 @@ def judge(design, *, per_module, seed=1, modules=None, skipped=(),
     InputError
         As of :func:`ncdc_bench.mutation.mutants.mutate`.
     """
-    mutated = mutate(design.make, design.top, per_module=per_module, seed=seed, modules=modules,
-                     skipped=skipped)
-    for bench in design.benches:
-        reason = failure(bench, mutated.verilog, 0)
-        if reason is not None:
-            raise BrokenBench(f"the bench {bench.name!r} of {design.name} fails without a mutant: "
-                              f"{reason}")
+    mutated = mutate(design.make, design.top, per_module=per_module, seed=seed, modules=modules)
     groups, done, killed = {}, 0, 0
     for mutant in mutated.mutants:
-        groups.setdefault(mutant.module, []).append(mutant)
-    for group in groups.values():
-        verdicts = judge_module(design, mutated, group)
-        done, killed = done + len(group), killed + sum(one.killed for one in verdicts)
-        progress(done / len(mutated.mutants), f", {killed} of {done} killed")
-        yield verdicts
+        if mutant.module not in skipped:
+            groups.setdefault(mutant.module, []).append(mutant)
+    if not groups:
+        return
+    total = sum(map(len, groups.values()))
+    with ExitStack() as opened:
+        replays = [opened.enter_context(replay(design, bench, mutated.verilog))
+                   for bench in design.benches]
+        for group in groups.values():
+            verdicts = judge_module(replays, mutated.netlist, group, seconds)
+            done, killed = done + len(group), killed + sum(one.killed for one in verdicts)
+            progress(done / total, f", {killed} of {done} killed")
+            yield verdicts
 
 
-def judge_module(design, mutated, mutants):
-    """A :class:`Verdict` on each of the ``mutants`` of one module."""
+def replay(design, bench, verilog):
+    """The :class:`Replay` of a bench that passes without a mutant.
+
+    Raises
+    ------
+    BrokenBench
+        If it fails, or its simulations give another result when they run again.
+    """
+    transcripts = []
+    try:
+        bench.run(verilog, transcripts)
+    except (InputError, OSError, MemoryError, SubprocessError):
+        raise
+    except Exception as error:      # whatever fails a test
+        raise BrokenBench(f"the bench {bench.name!r} of {design.name} fails without a mutant: "
+                          f"{error or type(error).__name__}") from error
+    made = Replay(bench.name, transcripts)
+    with made:
+        again = made.difference(0)
+    if again is not None:
+        raise BrokenBench(f"the bench {bench.name!r} of {design.name} does not run twice the same: "
+                          f"{again}")
+    return made
+
+
+def judge_module(replays, netlist, mutants, seconds=SECONDS):
+    """A :class:`Verdict` on each of the ``mutants`` of one module.
+
+    Parameters
+    ----------
+    replays : sequence of Replay
+        In the order in which they run until one finds the mutant.
+    netlist : str
+        RTLIL of the design without mutants.
+    mutants : sequence of Mutant
+    seconds : float
+        As of :func:`judge`.
+    """
     by = {one: EQUIVALENT for one in mutants if not one.live}
-    by |= {one: name for one in mutants
-           if one.live and (name := killer(design.benches, mutated, one))}
-    proved = equivalents(mutated.netlist, [one for one in mutants if one not in by])
+    by |= {one: name for one in mutants if one.live and (name := killer(replays, one))}
+    proved = equivalents(netlist, [one for one in mutants if one not in by], seconds)
     by |= {one: EQUIVALENT for one in mutants if one.number in proved}
     return [Verdict(one, by.get(one, SURVIVED)) for one in mutants]
 
 
-def killer(benches, mutated, mutant):
-    """Name of the first of ``benches`` that fails with ``mutant``, None if none does."""
-    return next((bench.name for bench in benches
-                 if failure(bench, mutated.verilog, mutant.number) is not None), None)
-
-
-def failure(bench, verilog, number):
-    """What a bench says of the mutant ``number``, None if nothing.
-
-    What fails for want of a program, a file or memory says nothing of the mutant, and is raised.
-    """
-    try:
-        bench.run(verilog, selecting(number))
-    except (InputError, OSError, MemoryError, SubprocessError):
-        raise
-    except Exception as error:      # whatever fails a test
-        return str(error) or type(error).__name__
-    return None
+def killer(replays, mutant):
+    """Name of the first bench that finds the ``mutant``, None if none does."""
+    return next((one.name for one in replays if one.difference(mutant.number) is not None), None)
 
 
 def row_of(verdicts):

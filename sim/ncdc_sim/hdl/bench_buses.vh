@@ -1,6 +1,7 @@
 // The buses of the module under test, their checkers, the memory and the stream's sink: for the body
 // of a bench that has `clk`, `rst`, `module_rst`, `memory_rst`, `sink_probability`, DW, PORTS, BW, WBW
-// and PIXELS, the name of the file for the stream. While `stalled` the memory takes nothing.
+// and PIXELS, the name of the file for the stream. While `stalled` the memory takes nothing. It decodes
+// the bits of an address that are set in the plusarg `address_mask`, by default all.
     wire [PORTS*32-1:0] read_address;
     wire [PORTS-1:0]    read_read, read_waitrequest, read_readdatavalid;
     wire [PORTS*BW-1:0] read_burstcount;
@@ -24,15 +25,17 @@
     wire             memory_write_waitrequest;
     assign read_waitrequest = memory_read_waitrequest | {PORTS{stalled}};
     assign write_waitrequest = memory_write_waitrequest || stalled;
+    reg [31:0]       address_mask;
+    initial if (!$value$plusargs("address_mask=%d", address_mask)) address_mask = 32'hFFFFFFFF;
     avalon_memory #(
         .PORTS(PORTS), .DATA_WIDTH(DW), .BURST_WIDTH(BW), .WRITE_BURST_WIDTH(WBW),
         .BYTES(`NCDC_MEMORY_BYTES)
     ) memory (
         .clk(clk), .rst(memory_rst), .errors(memory_errors),
-        .read_address(read_address), .read_read(read_read & {PORTS{!stalled}}),
+        .read_address(read_address & {PORTS{address_mask}}), .read_read(read_read & {PORTS{!stalled}}),
         .read_burstcount(read_burstcount), .read_waitrequest(memory_read_waitrequest),
         .read_readdata(read_readdata), .read_readdatavalid(read_readdatavalid),
-        .write_address(write_address), .write_write(write_write && !stalled),
+        .write_address(write_address & address_mask), .write_write(write_write && !stalled),
         .write_burstcount(write_burstcount), .write_writedata(write_writedata),
         .write_byteenable(write_byteenable), .write_waitrequest(memory_write_waitrequest)
     );

@@ -120,12 +120,14 @@ module frame_bench (
     task send;
         begin
             if (camera_x < camera_width)
-                memory.put(camera_base + camera_y * camera_pitch + camera_x, $fgetc(source));
+                memory.put((camera_base + camera_y * camera_pitch + camera_x) & address_mask,
+                           $fgetc(source));
             camera_x = camera_x + 1;
             if (camera_x == camera_width) begin
                 // In the file rows are as far from each other as in memory.
                 for (k = camera_width; k < camera_pitch; k = k + 1)
-                    memory.put(camera_base + camera_y * camera_pitch + k, $fgetc(source));
+                    memory.put((camera_base + camera_y * camera_pitch + k) & address_mask,
+                               $fgetc(source));
                 camera_y = camera_y + 1;
                 camera_rows <= camera_y;
                 camera_end = clocks;

@@ -11,8 +11,10 @@ from ncdc_sim.ports import ports_of
 from ncdc_sim.runner import HDL, build_bench, command_of, hdl_text
 from ncdc_sim.runner import run as run_program
 from ncdc_sim.tools import SimulationError
+from ncdc_sim.transcript import Transcript
 from ncdc_sim.waves import Waves, build_options, recorded
 from ncdc_spec.errors import InputError
+from ncdc_spec.frames import ADDRESS_BITS
 
 __all__ = ["UNWRITTEN", "Camera", "FrameResult", "Program", "Run", "simulate_frame"]
 
@@ -21,6 +23,7 @@ BENCH = ("frame_bench.v", "avalon_checker.v", "stream_checker.v")
 MODEL = ("avalon_memory.v", "dram_timing.v")
 UNWRITTEN = 0xA5                # bytes of the output that nothing has written
 MIN_MEMORY = 1 << 24          # bytes; more frame sizes share one build
+MAX_DECODED = 31                # bits of an address in the bench's memory
 PROGRAM_LIMIT = 65536           # operations that the bench holds
 
 
@@ -188,6 +191,10 @@ class Run:
         Where to write the waveforms.
     more : sequence of str
         Further plusargs.
+    decoded : int, optional
+        Bits of an address that the memory decodes; it ignores those above. All if absent.
+    transcripts : list, optional
+        Gets the run's :class:`Transcript`, of a run that fails as well.
     """
     memory: object = "ideal"
     simulator: str = "verilator"
@@ -196,6 +203,8 @@ class Run:
     sink_probability: int = 256
     waves: Waves | None = None
     more: tuple = ()
+    decoded: int = ADDRESS_BITS
+    transcripts: list | None = None
 
 
 def simulate_frame(verilog, source, program, *, source_base, output_base, output_bytes, camera=None,
@@ -237,8 +246,10 @@ def simulate_frame(verilog, source, program, *, source_base, output_base, output
     run = Run(**run)
     memory = simulated_memory(run.memory)
     module = _Module(verilog)
+    mask = (1 << run.decoded) - 1
+    source_base, output_base = source_base & mask, output_base & mask
     end = max(source_base + len(source), 0 if module.stream else output_base + output_bytes)
-    _check(program, source_base, output_base, end)
+    _check(program, source_base, output_base, min(run.decoded, MAX_DECODED), end)
     binary = _bench(module, memory, run, end)
     settings = {} if isinstance(memory, LiteDram) else memory_settings(
         memory, module.width, module.readers)
@@ -246,27 +257,34 @@ def simulate_frame(verilog, source, program, *, source_base, output_base, output
         "source_base": source_base, "source_bytes": len(source), "output_base": output_base,
         "output_bytes": output_bytes, "program_words": len(program.operations) + 1,
         "clock_limit": run.clock_limit or 1000000 + 100 * output_bytes, "seed": run.seed,
-        "sink_probability": run.sink_probability, "progress_step": max(1, output_bytes // 100)}
+        "address_mask": mask, "sink_probability": run.sink_probability,
+        "progress_step": max(1, output_bytes // 100)}
     if camera:
         settings |= {f"camera_{name}": value for name, value in vars(camera).items()}
     listener = _Listener(output_bytes, module.width // 8, module.readers, progress)
     with tempfile.TemporaryDirectory(prefix="ncdc-") as name, \
             recorded(run.waves, run.simulator) as waves:
         folder = Path(name)
-        (folder / "source.bin").write_bytes(source + bytes(-len(source) % (module.width // 8)))
-        (folder / "program.hex").write_text(program.text())
-        run_program([*command_of(binary), *waves,
-                     *(f"+{key}={value}" for key, value in settings.items()), *run.more],
-                    folder, listener.line)
+        files = {"source.bin": source + bytes(-len(source) % (module.width // 8)),
+                 "program.hex": program.text().encode()}
+        for file, content in files.items():
+            (folder / file).write_bytes(content)
+        command = [*command_of(binary), *waves,
+                   *(f"+{key}={value}" for key, value in settings.items()), *run.more]
+        run_program(command, folder, listener.line)
         output = folder / "output.bin"
-        listener.result.output = output.read_bytes()[:output_bytes] if output.exists() else b""
+        written = {output.name: output.read_bytes()} if output.exists() else {}
+        listener.result.output = written.get(output.name, b"")[:output_bytes]
+        if run.transcripts is not None:
+            run.transcripts.append(
+                Transcript(tuple(command), files, tuple(listener.lines), written))
         return listener.finish()
 
 
-def _check(program, source_base, output_base, end):
-    if source_base % 16 or output_base % 16 or min(source_base, output_base) < 0 or end > 1 << 31:
+def _check(program, source_base, output_base, decoded, end):
+    if source_base % 16 or output_base % 16 or end > 1 << decoded:
         raise InputError(f"bases {source_base:#x} and {output_base:#x} with frames up to {end:#x} "
-                         "do not fit: multiples of 16 below 0x80000000 are needed")
+                         f"do not fit: multiples of 16 below {1 << decoded:#x} are needed")
     if len(program.operations) >= PROGRAM_LIMIT:
         raise InputError(f"the program has {len(program.operations)} operations, "
                          f"the limit is {PROGRAM_LIMIT - 1}")
@@ -329,11 +347,12 @@ class _Listener:
     """Turns the bench's lines into a :class:`FrameResult`."""
 
     def __init__(self, output_bytes, word, readers, progress):
-        self.result = FrameResult()
+        self.result, self.lines = FrameResult(), []
         self.output_bytes, self.word, self.readers = output_bytes, word, readers
         self.progress = progress or (lambda fraction: None)
 
     def line(self, line):
+        self.lines.append(line)
         kind, *values = line.split() or [""]
         result = self.result
         if kind == "PROGRESS":

@@ -23,7 +23,7 @@ from ncdc_spec.registers.register_map import (
 )
 from ncdc_spec.view import VIEW_REGISTERS
 from ncdc_spec.view_rows import ROWS_COUNT, rows_values, rows_words
-from simulations.series import aligned, differing, output_bytes
+from simulations.series import aligned, differing, output_bytes, read_measured
 
 __all__ = ["LensChange", "simulate_lens_change"]
 
@@ -161,7 +161,7 @@ def _program(layout, rows, intruder):
         if k + 1 < frames:
             _prepare(program, layout, rows, k + 1, intruder)
         program.wait_irq().write(rows["STATUS"].address, STATUS_DONE)
-        program.read(rows["CLOCKS"].address)
+        read_measured(program, rows.values())
     return program.compare(rows["FRAMES"].address, frames)
 
 

@@ -7,11 +7,11 @@ import numpy as np
 from ncdc_model.correction import correct
 from ncdc_sim.system.frame import Program, simulate_frame
 from ncdc_spec.frames import FrameAddresses, frame_bytes, output_format, raw_image
-from ncdc_spec.registers.host_values import address_values, host_values
+from ncdc_spec.registers.host_values import address_values, host_values, table_words
 from ncdc_spec.registers.register_map import CTRL_ABORT, STATUS_DONE, TABLE
 from ncdc_spec.view_list import ENTRY_WORDS, entry_register
 from ncdc_spec.view_rows import ROWS_COUNT, ROWS_TABLE
-from simulations.series import aligned, begin, differing, output_bytes
+from simulations.series import aligned, begin, differing, output_bytes, read_measured
 
 __all__ = ["FuzzResult", "simulate_register_fuzz"]
 
@@ -37,7 +37,7 @@ class FuzzResult:
     faults: tuple
 
 
-def simulate_register_fuzz(corrector, verilog, raw, frames, *, seed=1, **options):
+def simulate_register_fuzz(corrector, verilog, raw, frames, *, lens=None, seed=1, **options):
     """Correct ``frames`` fuzzed frames, and as many that must be right, in turn.
 
     In a fuzzed frame each register of the set has its own value, one beyond a limit, or any bits.
@@ -48,6 +48,8 @@ def simulate_register_fuzz(corrector, verilog, raw, frames, *, seed=1, **options
     ----------
     corrector, verilog : Corrector, str
     raw : ndarray of uint8
+    lens : Descriptor, optional
+        Of the frames; that of the corrector if absent.
     frames, seed : int
     options :
         As of :func:`ncdc_sim.system.frame.simulate_frame`.
@@ -58,7 +60,7 @@ def simulate_register_fuzz(corrector, verilog, raw, frames, *, seed=1, **options
         If a frame does not end, or a rule of a bus is broken, an unaligned address included.
     """
     rng = np.random.default_rng(seed)
-    d, hardware = corrector.descriptor, corrector.hardware
+    d, hardware = lens or corrector.descriptor, corrector.hardware
     stream, form = hardware.stream, output_format(hardware.format)
     table = {r.name: r for r in corrector.registers.table}
     rows = {name: r.address for name, r in table.items()}
@@ -71,6 +73,8 @@ def simulate_register_fuzz(corrector, verilog, raw, frames, *, seed=1, **options
     junk = aligned(right["SOURCE_LIMIT"])
     base = junk + 2 * aligned(1)
     program = Program().write(rows["IRQ_ENABLE"], 1)
+    for address, value in table_words(d.valid) if lens else ():
+        program.write(address, value)
     for k in range(frames):
         _fuzzed_frame(program, rng, table, right, junk, bool(k % 2))
         target = base + k * step
@@ -79,6 +83,7 @@ def simulate_register_fuzz(corrector, verilog, raw, frames, *, seed=1, **options
         program.allow((0, values["SOURCE_LIMIT"]), (target, target + size))
         begin(program, rows, values)
         program.wait_irq().compare(rows["FAULT"], 0).write(rows["STATUS"], STATUS_DONE)
+        read_measured(program, table.values())
     result = simulate_frame(
         verilog, image.ljust(base, b"\x5a"), program, source_base=0, output_base=base,
         output_bytes=_max_bytes(corrector, frames) if stream else frames * step, seed=seed,
@@ -87,7 +92,8 @@ def simulate_register_fuzz(corrector, verilog, raw, frames, *, seed=1, **options
     count = output_bytes(d.geometry, stream, form)
     begins = [end - count for end in result.outputs[1::2]] if stream else range(
         0, frames * step, step)
-    faults = tuple(value for address, value in result.reads if address == rows["FAULT"])
+    # Every other one is read after a right frame.
+    faults = tuple(value for address, value in result.reads if address == rows["FAULT"])[::2]
     wrong = differing(result.output, begins, len(begins) * [golden], stream, form)
     return FuzzResult(wrong, result.counters["outside_bytes"], faults)
 

@@ -4,12 +4,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ncdc_hdl.export.drivers.lenses import Lens
 from ncdc_model.correction import correct
 from ncdc_sim.system.frame import Program, simulate_frame
 from ncdc_spec.frames import FrameAddresses, frame_bytes, raw_image
 from ncdc_spec.registers.host_values import address_values
-from ncdc_spec.registers.register_map import STATUS_DONE
-from simulations.series import aligned, begin, differing, output_bytes
+from ncdc_spec.registers.register_map import STATUS_DONE, TABLE
+from simulations.series import aligned, begin, differing, output_bytes, read_measured
 
 __all__ = ["Resets", "simulate_resets"]
 
@@ -31,7 +32,8 @@ class Resets:
     under_way: int
 
 
-def simulate_resets(corrector, verilog, raws, frames, *, forgets, longest, seed=1, **options):
+def simulate_resets(corrector, verilog, raws, frames, *, forgets, longest, lens=None, seed=1,
+                    **options):
     """Begin ``frames`` frames, reset each at a random clock, and correct a whole one after it.
 
     Parameters
@@ -45,6 +47,8 @@ def simulate_resets(corrector, verilog, raws, frames, *, forgets, longest, seed=
         drops the reads under way. Else it is not reset, and answers.
     longest : int
         Clocks from a frame's start to its reset, at most.
+    lens : Descriptor, optional
+        Of the frames; each loads it. That of the corrector if absent, which a reset loads.
     seed : int
     options :
         As of :func:`ncdc_sim.system.frame.simulate_frame`.
@@ -55,9 +59,11 @@ def simulate_resets(corrector, verilog, raws, frames, *, forgets, longest, seed=
         If a frame does not end, or a rule of a bus is broken.
     """
     rng = np.random.default_rng(seed)
-    d, stream = corrector.descriptor, corrector.hardware.stream
+    d, stream = lens or corrector.descriptor, corrector.hardware.stream
     rows = {r.name: r.address for r in corrector.registers.table}
-    pitch = corrector.registers.values["SOURCE_PITCH"]
+    loaded = Lens.of(corrector, lens).values if lens else {}
+    valid_rows = Lens.of(corrector, lens).valid_rows if lens else ()
+    pitch = (loaded or corrector.registers.values)["SOURCE_PITCH"]
     images = [raw_image(raw, pitch) for raw in raws]
     sources = [0, aligned(len(images[0]))]
     size = frame_bytes(d.geometry)
@@ -66,8 +72,10 @@ def simulate_resets(corrector, verilog, raws, frames, *, forgets, longest, seed=
     program = Program()
 
     def begin_at(source, target):
-        begin(program, rows, address_values(d.geometry, corrector.hardware.data_width,
-                                          FrameAddresses(source, target, pitch)))
+        for row, value in enumerate(valid_rows):
+            program.write(TABLE + row, value)
+        begin(program, rows, loaded | address_values(
+            d.geometry, corrector.hardware.data_width, FrameAddresses(source, target, pitch)))
 
     for k in range(frames):
         # The frame that is cut short goes to the first buffer, the others each to its own.
@@ -83,6 +91,7 @@ def simulate_resets(corrector, verilog, raws, frames, *, forgets, longest, seed=
         begin_at(sources[1], base + (k + 1) * step)
         program.wait_irq().write(rows["STATUS"], STATUS_DONE)
         program.write(rows["IRQ_ENABLE"], 0)
+        read_measured(program, corrector.registers.table)
     span = (frames + 1) * step
     result = simulate_frame(
         verilog, images[0].ljust(sources[1], b"\0") + images[1], program, source_base=0,

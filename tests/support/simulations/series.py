@@ -5,7 +5,7 @@ import numpy as np
 from ncdc_spec.frames import BGRX8, frame_bytes, stored_bytes
 from ncdc_spec.registers.register_map import CTRL_COMMIT, CTRL_START
 
-__all__ = ["aligned", "begin", "differing", "output_bytes"]
+__all__ = ["aligned", "begin", "differing", "output_bytes", "read_measured"]
 
 _ALIGN = 4096       # bytes; frames in memory begin at multiples of this
 
@@ -20,6 +20,13 @@ def begin(program, rows, values):
     for name, value in values.items():
         program.write(rows[name], value)
     program.write(rows["CTRL"], CTRL_COMMIT | CTRL_START)
+
+
+def read_measured(program, table):
+    """Read each register of ``table`` that no host can write, or whose bits are flags."""
+    for register in table:
+        if register.access in ("ro", "action"):
+            program.read(register.address)
 
 
 def output_bytes(geometry, stream, form=BGRX8):

@@ -17,7 +17,7 @@ from ncdc_spec.registers.register_map import (
     TABLE,
 )
 from ncdc_spec.view_list import Entry, buffer_bytes, list_values
-from simulations.series import aligned, begin
+from simulations.series import aligned, begin, read_measured
 from views import random_view
 
 __all__ = ["PassResult", "random_entries", "simulate_follow", "simulate_passes",
@@ -43,7 +43,7 @@ class PassResult:
     pixels: tuple
 
 
-def simulate_passes(corrector, verilog, cameras, lists, together=False, **options):
+def simulate_passes(corrector, verilog, cameras, lists, together=False, origins=(0, 0), **options):
     """Make a pass of each of ``lists``, the cameras taking turns, each started while the last one
     runs.
 
@@ -55,6 +55,9 @@ def simulate_passes(corrector, verilog, cameras, lists, together=False, **option
     lists : sequence of sequence of Entry
     together : bool
         Whether all passes write to one buffer, each its part of it.
+    origins : (int, int)
+        Bytes that are added to the addresses of the raw frames, and of the buffers. Without them
+        the raw frames begin at 0, and the buffers after them.
     options :
         As of :func:`ncdc_sim.system.frame.simulate_frame`.
     """
@@ -68,7 +71,9 @@ def simulate_passes(corrector, verilog, cameras, lists, together=False, **option
     starts = np.cumsum([len(content), *map(aligned, sizes)]).tolist()
     if together:
         starts = [len(content)] * len(lists) + [len(content) + max(map(aligned, sizes))]
-    program = Program().allow((0, len(content)), (starts[0], starts[-1]))
+    first, start = origins[0], origins[1] + starts[0]
+    program = Program().allow((first, first + len(content)),
+                              (start, start + starts[-1] - starts[0]))
     program.write(rows["IRQ_ENABLE"], 1)
     for k in range(len(lists) + 1):
         if k:
@@ -76,12 +81,14 @@ def simulate_passes(corrector, verilog, cameras, lists, together=False, **option
         if k < len(lists):
             turn = k % len(cameras)
             _begin(program, rows, corrector, cameras[turn][0], lists[k], k % 2, {
-                "SOURCE_BASE": sources[turn], "SOURCE_LIMIT": len(content),
-                "TARGET_BASE": starts[k], "TARGET_LIMIT": starts[k] + sizes[k]})
+                "SOURCE_BASE": first + sources[turn], "SOURCE_LIMIT": first + len(content),
+                "TARGET_BASE": origins[1] + starts[k],
+                "TARGET_LIMIT": origins[1] + starts[k] + sizes[k]})
         if k:
-            program.wait_irq().write(rows["STATUS"], STATUS_DONE).read(rows["PIXELS"])
+            program.wait_irq().write(rows["STATUS"], STATUS_DONE)
+            read_measured(program, corrector.registers.table)
     program.compare(rows["FRAMES"], len(lists)).compare(rows["FAULT"], 0)
-    result = simulate_frame(verilog, content, program, source_base=0, output_base=starts[0],
+    result = simulate_frame(verilog, content, program, source_base=first, output_base=start,
                             output_bytes=starts[-1] - starts[0], **options)
     expected = np.full(starts[-1] - starts[0], UNWRITTEN, np.uint8)
     for k, entries in enumerate(lists):
@@ -128,6 +135,7 @@ def simulate_wrong_lists(corrector, verilog, camera, entries, cases, **options):
         program.wait_irq().compare(rows["FAULT"], faults).write(rows["FAULT"], 0xFF)
         aborted = STATUS_ABORTED if faults & ~FAULT_TARGET else 0
         program.compare(rows["STATUS"], STATUS_DONE | aborted).write(rows["STATUS"], STATUS_DONE)
+        read_measured(program, corrector.registers.table)
         for k in made:
             compose(descriptor, raw, entries[k:k + 1], expected[start - starts[0]:])
     result = simulate_frame(verilog, content, program, source_base=0, output_base=starts[0],
@@ -170,6 +178,7 @@ def simulate_follow(corrector, verilog, camera, entries, line, **options):
         "TARGET_LIMIT": start + size, "FOLLOW": 1})
     program.poll(rows["VIEWS_STATE"], corrector.hardware.views | 1 << 8)
     program.camera(second).wait_irq().compare(rows["FAULT"], 0)
+    read_measured(program, corrector.registers.table)
     result = simulate_frame(
         verilog, content.ljust(2 * second, b"\0"), program, source_base=0, output_base=start,
         output_bytes=size, camera=Camera(*raw.shape[::-1], pitch, line), **options)

@@ -1,0 +1,38 @@
+"""The exact results of the benches on the designs as they are, in a file next to the benches.
+
+    python -m ncdc_bench.mutation.record
+
+A mutant that changes a clock of a frame or a counter is found. So the same change of the gateware
+must fail a test: that compares the benches' results with this record.
+"""
+
+import json
+
+from ncdc_bench.mutation.designs import designs
+from ncdc_bench.mutation.netlist import ROOT
+from ncdc_hdl.export.verilog import module_verilog
+
+__all__ = ["RECORD", "RENEW", "main", "reports_of"]
+
+RECORD = ROOT / "tests" / "support" / "mutation" / "results.json"
+RENEW = "python -m ncdc_bench.mutation.record"
+
+
+def reports_of(bench, verilog):
+    """What each simulation of a bench measured, see :attr:`Transcript.report`."""
+    transcripts = []
+    bench.run(verilog, transcripts)
+    return [one.report for one in transcripts]
+
+
+def main():
+    """Run all benches and write the record."""
+    found = {}
+    for name, design in designs().items():
+        verilog = module_verilog(design.make(), design.top)
+        found[name] = {bench.name: reports_of(bench, verilog) for bench in design.benches}
+    RECORD.write_text(json.dumps(found, indent=1) + "\n")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,36 @@
+"""Runs of a built simulation, as they were: what each was given, and all that it gave."""
+
+import hashlib
+from dataclasses import dataclass
+
+__all__ = ["Transcript"]
+
+_NO_RESULT = "PROGRESS ", "- "  # how lines begin that are for a progress bar, or the simulator's own
+
+
+@dataclass(frozen=True)
+class Transcript:
+    """One run of a simulation.
+
+    Parameters
+    ----------
+    command : tuple of str
+        The program with its plusargs.
+    files : dict
+        Content of each file that it reads, by name.
+    lines : tuple of str
+        What it printed.
+    written : dict
+        Content of each file that it wrote, by name.
+    """
+    command: tuple
+    files: dict
+    lines: tuple
+    written: dict
+
+    @property
+    def report(self):
+        """What the run measured: its lines of results, and a hash of each file."""
+        return {"lines": [line for line in self.lines if not line.startswith(_NO_RESULT)],
+                "written": {name: hashlib.sha256(content).hexdigest()
+                            for name, content in sorted(self.written.items())}}
