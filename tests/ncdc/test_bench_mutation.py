@@ -3,6 +3,7 @@
 
 import json
 import random
+import tempfile
 
 import pytest
 from amaranth import *
@@ -10,12 +11,14 @@ from amaranth.lib import wiring
 from amaranth.lib.wiring import In, Out
 
 from ncdc.cli import main
-from ncdc_bench.mutation.designs import Bench, Design, designs
+from ncdc_bench.mutation.designs import Bench, Design, PlayedBench, designs
 from ncdc_bench.mutation.equivalence import equivalents
 from ncdc_bench.mutation.mutants import mutate
 from ncdc_bench.mutation.page import PAGE, REPORT, filled
-from ncdc_bench.mutation.score import BrokenBench, judge, row_of, summary
-from ncdc_sim.runner import build, results_of
+from ncdc_bench.mutation.score import BrokenBench, judge, row_of, summary, trial
+from ncdc_sim.runner import build, command_of
+from ncdc_sim.runner import run as run_program
+from ncdc_sim.transcript import Transcript
 from ncdc_spec.errors import InputError
 
 LIMIT = 11
@@ -63,12 +66,25 @@ class Counter(wiring.Component):
 def bench(name, clears=True, checks=True):
     """A bench of the counter; without ``clears`` it never clears, without ``checks`` it is blind.
     """
-    def run_it(verilog, more):
+    def run_it(verilog, transcripts):
         program = build("counter", "clocked", [("bench.v", BENCH), ("counter.v", verilog)],
                         simulator="icarus", defines={"CLEARS": int(clears)})
-        results = results_of(program, dict(one.lstrip("+").split("=") for one in more))
-        assert not checks or results["wrong"] == 0
-    return Bench(name, run_it)
+        lines = []
+        with tempfile.TemporaryDirectory() as folder:
+            run_program(command_of(program), folder, lines.append)
+        assert "RESULT wrong 0" in lines
+        if checks:
+            transcripts.append(Transcript(tuple(command_of(program)), {}, tuple(lines), {}))
+    return PlayedBench(name, run_it)
+
+
+def played(script, lines=(), written=None):
+    """A bench of one simulation, which is a ``script`` of the shell."""
+    return PlayedBench("played", lambda verilog, transcripts: transcripts.append(
+        Transcript(("sh", "-c", script, "sh", "+clock_limit=9000"), {}, lines, written or {})))
+
+
+COUNTER = Design("counter", "counter", Counter, ())
 
 
 def verdicts_of(*benches, per_module=40):
@@ -94,29 +110,75 @@ def test_a_bench_that_checks_nothing_kills_nothing():
     assert row["killed"] == row["score"] == 0 and summary([row])["score"] == 0
     assert len(row["survivors"]) == row["survived"] == row["mutants"] - row["equivalent"] > 6
     # What is called equivalent no bench may kill.
-    mutated, strict = mutate(Counter, "counter", per_module=12), bench("strict")
-    for one in verdicts:
-        if one.by == "equivalent":
-            strict.run(mutated.verilog, (f"+mutant_select={one.mutant.number}",))
-            proved = equivalents(mutated.netlist, [one.mutant]) == {one.mutant.number}
-            assert proved or not one.mutant.live
+    mutated = mutate(Counter, "counter", per_module=12)
+    with trial(COUNTER, bench("strict"), mutated.verilog) as strict:
+        for one in verdicts:
+            if one.by == "equivalent":
+                assert strict.difference(one.mutant.number) is None
+                proved = equivalents(mutated.netlist, [one.mutant]) == {one.mutant.number}
+                assert proved or not one.mutant.live
 
 
-def test_a_bench_that_fails_without_a_mutant_is_rejected():
-    def broken(verilog, more):
+@pytest.mark.parametrize("kind", [Bench, PlayedBench])
+def test_a_bench_that_fails_without_a_mutant_is_rejected(kind):
+    def broken(verilog, _):
         raise AssertionError("the golden picture is wrong")
 
     with pytest.raises(BrokenBench, match="'broken' of counter fails without a mutant: the golden"):
-        verdicts_of(Bench("broken", broken), per_module=2)
+        trial(COUNTER, kind("broken", broken), "")
 
 
-def test_a_bench_without_room_on_the_disk_kills_nothing():
-    def full(verilog, more):
-        if more != ("+mutant_select=0",):
+def test_a_bench_that_differs_from_run_to_run_is_rejected():
+    with pytest.raises(BrokenBench, match="'played' of counter does not run twice the same"):
+        trial(COUNTER, played("echo 2", ("1",)), "")
+
+
+MUTANT_2 = 'case "$*" in *mutant_select=2) %s;; *) %s;; esac'
+
+
+@pytest.mark.parametrize("script,difference", [
+    ("echo 2", "'2' instead of '1'"), ("echo 1; echo 1", "'1' instead of 'no line'"),
+    ("true", "no line '1'"), ("echo 1; exit 6", "the simulation ends with status 6"),
+    ("echo 1; printf 12 > out", "out differs")])
+def test_what_a_mutant_changes_is_found(script, difference):
+    right = "echo 1; printf 11 > out"
+    with trial(COUNTER, played(MUTANT_2 % (script, right), ("1",), {"out": b"11"}), "") as made:
+        assert made.difference(1) is None
+        assert made.difference(2) == difference
+
+
+def test_a_mutant_that_hangs_has_few_clocks_more_than_the_design():
+    script = MUTANT_2.replace("mutant_select=2", "clock_limit=164*")
+    with trial(COUNTER, played(script % ("echo RESULT total_clocks 100", "echo hangs"),
+                                ("RESULT total_clocks 100",)), "") as made:
+        assert made.difference(1) is None
+
+
+@pytest.mark.parametrize("script,error", [("printf 1 > out", OSError), ("true", OSError),
+                                          ("kill -9 $$", MemoryError)])
+def test_a_bench_without_room_on_the_disk_or_memory_kills_nothing(script, error):
+    right = "printf 11 > out"
+    with trial(COUNTER, played(MUTANT_2 % (script, right), (), {"out": b"11"}), "") as made:
+        with pytest.raises(error):
+            made.difference(2)
+
+
+def test_a_bench_that_runs_anew_kills_by_failing_but_not_by_a_full_disk():
+    def run_it(verilog, more):
+        if more == ("+mutant_select=2",):
+            raise AssertionError("pixel 3")
+        if more == ("+mutant_select=3",):
             raise OSError("no space left on device")
 
-    with pytest.raises(OSError, match="no space left"):
-        verdicts_of(Bench("full", full), per_module=2)
+    with trial(COUNTER, Bench("anew", run_it), "") as made:
+        assert (made.difference(1), made.difference(2)) == (None, "pixel 3")
+        with pytest.raises(OSError, match="no space left"):
+            made.difference(3)
+
+
+def test_modules_that_are_skipped_stay_in_the_netlist():
+    """Nothing is judged, nothing is built anew: not even the bench runs."""
+    assert list(judge(COUNTER, per_module=2, skipped={"counter"})) == []
 
 
 @pytest.mark.parametrize("report", [
@@ -137,6 +199,8 @@ def test_modules_that_there_are_not_are_named():
 @pytest.mark.parametrize("arguments,message", [
     (["--design", "lens"], "the design is lens, one of core"),
     (["--per-module", "0"], "mutants per module are 0, the least is 1"),
+    (["--proof-seconds", "-1"], "the seconds for proofs are -1.0, the least is 0"),
+    (["--model", "--proof-seconds", "0"], "--proof-seconds is given, --model does not support it"),
     (["--model", "--survivors"], "--survivors is given, --model does not support it"),
     (["--model", "--module", "lens"], "the module is lens, one of picture")])
 def test_wrong_arguments(arguments, message, capsys):

@@ -41,6 +41,28 @@ def test_copies(memory, width, simulator):
     assert result.counters["read0_commands"] == result.counters["output_commands"] == WORDS // 8
 
 
+@pytest.mark.parametrize("simulator", SIMULATORS)
+def test_a_memory_that_decodes_some_bits_holds_frames_far_apart(simulator):
+    """Bytes outside count with all bits of their addresses."""
+    far = (Program().allow((1 << 31, (1 << 31) + (1 << 30)), (3 << 30, 0xFFFFFFFF))
+           .write(0, 1 << 31 | SOURCE).write(1, 3 << 30 | OUTPUT).write(2, WORDS).write(3, 1)
+           .wait_irq().write(4, 0))
+    result = copy(copier(), program=far, decoded=24, simulator=simulator)
+    np.testing.assert_array_equal(np.frombuffer(result.output, np.uint8), ~frame())
+    assert result.counters["outside_bytes"] == 0
+    near = copy(copier(), program=program(), decoded=24, simulator=simulator)
+    assert near.counters["outside_bytes"] == 0
+
+
+def test_a_transcript_runs_again():
+    transcripts = []
+    result = copy(copier(), transcripts=transcripts)
+    [one] = transcripts
+    assert one.written == {"output.bin": result.output}
+    assert f"FRAME {result.clocks[0]} {result.ends[0]} {result.outputs[0]}" in one.report["lines"]
+    assert not any(line.startswith(("PROGRESS", "- ")) for line in one.report["lines"])
+
+
 @pytest.mark.parametrize("sink_probability", [256, 100])
 @pytest.mark.parametrize("simulator", SIMULATORS)
 def test_streams(simulator, sink_probability):

@@ -64,7 +64,8 @@ def _model(args):
     from ncdc_bench.mutation.golden import run_golden  # needs Cosmic Ray
 
     for name in ("design", "survivors", "add", "proof_seconds"):
-        if getattr(args, name) not in (None, False):
+        given = getattr(args, name)
+        if given is not None and given is not False:    # 0 seconds are given, too
             raise InputError(f"--{name.replace('_', '-')} is given, --model does not support it")
     return run_golden(args.module, args.per_module, args.seed, args.json)
 

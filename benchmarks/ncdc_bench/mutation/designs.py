@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from ncdc_bench.mutation.netlist import ROOT
 from ncdc_spec.errors import InputError
 
-__all__ = ["Bench", "Design", "designs"]
+__all__ = ["Bench", "Design", "PlayedBench", "designs"]
 
 # Each design and its benches lie with the tests, which run the same benches without a mutant.
 _MODULES = ("core",)
@@ -22,8 +22,26 @@ class Bench:
     ----------
     name : str
     run : callable
+        Called with a Verilog text and further plusargs. Raises AssertionError or SimulationError
+        if the design is not as it must be.
+    """
+    name: str
+    run: Callable
+
+
+@dataclass(frozen=True)
+class PlayedBench:
+    """A bench whose simulations need no host while they run.
+
+    Mutants run the simulations alone, again and again. Whatever they print or write must be as
+    without a mutant, clocks included; a test must compare both as well.
+
+    Parameters
+    ----------
+    name : str
+    run : callable
         Called with a Verilog text and a list, to which it adds a :class:`Transcript` of each of its
-        simulations. Raises AssertionError or SimulationError if the design is not as it must be.
+        simulations. Raises as a :class:`Bench`.
     """
     name: str
     run: Callable
@@ -39,7 +57,7 @@ class Design:
         Its name in the report; its top module.
     make : callable
         Makes the component.
-    benches : tuple of Bench
+    benches : tuple of Bench or PlayedBench
         In the order in which they run until one fails.
     """
     name: str

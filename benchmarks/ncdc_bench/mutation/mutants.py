@@ -159,13 +159,30 @@ def _mutate(folder, text, top, chosen, per_module, seed):
     (folder / "design.il").write_text(text)
     _checked(run_yosys(_PREPARE.format(top=top), folder))
     mutants = _chosen(chosen, folder, per_module, seed)
-    apply = "\n".join(one.command.replace(
-        "mutate ", f"mutate -ctrl {SELECT} {WIDTH} {one.number} ", 1) for one in mutants)
+    sources = Sources(folder / "light.json")
+    apply = "\n".join(_selected(one, sources) for one in mutants)
     _checked(run_yosys(_APPLY.format(apply=apply, top=top, select=SELECT), folder))
     (folder / "mutated.v").write_text(_switched((folder / "mutated.v").read_text()))
     live = _live((folder / "live.txt").read_text())
     (folder / "mutants.json").write_text(json.dumps(
         [vars(one) | {"live": one.number in live} for one in mutants]))
+
+
+def _selected(mutant, sources):
+    """Commands that apply a mutant with its selecting signal.
+
+    Yosys gives the changed bit of a register's output a new net, without the value that the
+    register has after configuration: it is set here.
+    """
+    command = mutant.command.replace(
+        "mutate ", f"mutate -ctrl {SELECT} {WIDTH} {mutant.number} ", 1)
+    options = dict(re.findall(r"-(\w+) (\S+)", mutant.command))
+    module, cell, port = (options[name] for name in ("module", "cell", "port"))
+    init = sources.init(module, cell, port, int(options["portbit"])) if port == "Q" else None
+    if init is None:
+        return command
+    nets = f"{module}/c:{cell} %co:+[Q] {module}/w:$auto$mutate* %i {module}/a:init %d"
+    return f"{command}\nsetattr -set init 1'{init} {nets}"
 
 
 def _checked(error):

@@ -76,14 +76,19 @@ class Sources:
         """The mutated bit in words."""
         return self._modules[module].words(cell, port, bit)
 
+    def init(self, module, cell, port, bit):
+        """What a register's bit holds after configuration, "0" or "1"; None if it is open."""
+        return self._modules[module].init(cell, port, bit)
+
 
 class _Module:
     """Cells and nets of one module."""
 
     def __init__(self, module):
         self.cells = module["cells"]
-        self.nets, self.readers = {}, {}
+        self.nets, self.readers, self.inits = {}, {}, {}
         for name, net in module["netnames"].items():
+            self.inits |= dict(zip(net["bits"], reversed(net["attributes"].get("init", ""))))
             if not net["hide_name"]:
                 for k, bit in enumerate(net["bits"]):
                     self.nets.setdefault(bit, (name, k, net))
@@ -125,6 +130,11 @@ class _Module:
         if not net and kind.startswith("$"):
             named = self._reached(cell)
         return f"bit {bit} of {port} of the {of}{named}"
+
+    def init(self, cell, port, bit):
+        """See :meth:`Sources.init`."""
+        found = self.inits.get(self.cells[cell]["connections"][port][bit])
+        return found if found in ("0", "1") else None
 
     def _outputs(self, name):
         cell = self.cells[name]

@@ -5,12 +5,14 @@ from contextlib import ExitStack
 from dataclasses import dataclass
 from subprocess import SubprocessError
 
+from ncdc_bench.mutation.designs import Bench, PlayedBench
 from ncdc_bench.mutation.equivalence import SECONDS, equivalents
-from ncdc_bench.mutation.mutants import Mutant, mutate
+from ncdc_bench.mutation.mutants import Mutant, mutate, selecting
 from ncdc_bench.mutation.replay import Replay
 from ncdc_spec.errors import InputError
 
-__all__ = ["BrokenBench", "Verdict", "judge", "judge_module", "replay", "row_of", "summary"]
+__all__ = ["BrokenBench", "Verdict", "judge", "judge_module", "row_of", "summary",
+           "trial"]
 
 EQUIVALENT, SURVIVED = "equivalent", "survived"
 
@@ -70,31 +72,30 @@ def judge(design, *, per_module, seed=1, modules=None, skipped=(), seconds=SECON
         return
     total = sum(map(len, groups.values()))
     with ExitStack() as opened:
-        replays = [opened.enter_context(replay(design, bench, mutated.verilog))
-                   for bench in design.benches]
+        trials = [opened.enter_context(trial(design, bench, mutated.verilog))
+                  for bench in design.benches]
         for group in groups.values():
-            verdicts = judge_module(replays, mutated.netlist, group, seconds)
+            verdicts = judge_module(trials, mutated.netlist, group, seconds)
             done, killed = done + len(group), killed + sum(one.killed for one in verdicts)
             progress(done / total, f", {killed} of {done} killed")
             yield verdicts
 
 
-def replay(design, bench, verilog):
-    """The :class:`Replay` of a bench that passes without a mutant.
+def trial(design, bench, verilog):
+    """A context that tries mutants of ``verilog`` on a bench, which passes without one.
 
     Raises
     ------
     BrokenBench
         If it fails, or its simulations give another result when they run again.
     """
-    transcripts = []
-    try:
-        bench.run(verilog, transcripts)
-    except (InputError, OSError, MemoryError, SubprocessError):
-        raise
-    except Exception as error:      # whatever fails a test
+    played, transcripts = isinstance(bench, PlayedBench), []
+    reason = failure(bench, verilog, transcripts if played else selecting(0))
+    if reason is not None:
         raise BrokenBench(f"the bench {bench.name!r} of {design.name} fails without a mutant: "
-                          f"{error or type(error).__name__}") from error
+                          f"{reason}")
+    if not played:
+        return Rerun(bench, verilog)
     made = Replay(bench.name, transcripts)
     with made:
         again = made.difference(0)
@@ -104,12 +105,54 @@ def replay(design, bench, verilog):
     return made
 
 
-def judge_module(replays, netlist, mutants, seconds=SECONDS):
+@dataclass(frozen=True)
+class Rerun:
+    """A bench that runs anew with each mutant.
+
+    Parameters
+    ----------
+    bench : Bench
+    verilog : str
+    """
+    bench: Bench
+    verilog: str
+
+    @property
+    def name(self):
+        """That of the bench."""
+        return self.bench.name
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        pass
+
+    def difference(self, number):
+        """What the bench says of the mutant ``number``, None if nothing; see :func:`failure`."""
+        return failure(self.bench, self.verilog, selecting(number))
+
+
+def failure(bench, verilog, more):
+    """Why a bench fails, None if it does not.
+
+    What fails for want of a program, a file or memory says nothing of the design, and is raised.
+    """
+    try:
+        bench.run(verilog, more)
+    except (InputError, OSError, MemoryError, SubprocessError):
+        raise
+    except Exception as error:      # whatever fails a test
+        return str(error) or type(error).__name__
+    return None
+
+
+def judge_module(trials, netlist, mutants, seconds=SECONDS):
     """A :class:`Verdict` on each of the ``mutants`` of one module.
 
     Parameters
     ----------
-    replays : sequence of Replay
+    trials : sequence of Replay or Rerun
         In the order in which they run until one finds the mutant.
     netlist : str
         RTLIL of the design without mutants.
@@ -118,15 +161,15 @@ def judge_module(replays, netlist, mutants, seconds=SECONDS):
         As of :func:`judge`.
     """
     by = {one: EQUIVALENT for one in mutants if not one.live}
-    by |= {one: name for one in mutants if one.live and (name := killer(replays, one))}
+    by |= {one: name for one in mutants if one.live and (name := killer(trials, one))}
     proved = equivalents(netlist, [one for one in mutants if one not in by], seconds)
     by |= {one: EQUIVALENT for one in mutants if one.number in proved}
     return [Verdict(one, by.get(one, SURVIVED)) for one in mutants]
 
 
-def killer(replays, mutant):
+def killer(trials, mutant):
     """Name of the first bench that finds the ``mutant``, None if none does."""
-    return next((one.name for one in replays if one.difference(mutant.number) is not None), None)
+    return next((one.name for one in trials if one.difference(mutant.number) is not None), None)
 
 
 def row_of(verdicts):

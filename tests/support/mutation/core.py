@@ -7,7 +7,7 @@ from functools import cache
 import numpy as np
 
 from cameras import barrel_descriptor
-from ncdc_bench.mutation.designs import Bench, Design
+from ncdc_bench.mutation.designs import Design, PlayedBench
 from ncdc_hdl.corrector import Corrector
 from ncdc_model.golden.tone import tone_named
 from ncdc_sim.system.corrector import simulate_correction
@@ -239,4 +239,4 @@ _RUNS = {"frame": frame, "lists": lists, "lens change": lens_change, "read back"
          "resets, memory forgets": resets(True), "resets, memory answers": resets(False),
          "register fuzz": fuzz, "wide": wide}
 
-DESIGN = Design("core", "ncdc", make, tuple(Bench(*item) for item in _RUNS.items()))
+DESIGN = Design("core", "ncdc", make, tuple(PlayedBench(*item) for item in _RUNS.items()))
