@@ -154,7 +154,14 @@ def wrong_lists(verilog, transcripts):
         ({"VIEW1_OFFSET": 50}, (0, 2), FAULT_ALIGNMENT),
         ({"VIEW1_FORMAT": 3}, (0, 2), FAULT_FORMAT),
         ({"VIEW1_OFFSET": 1 << 20}, (0, 2), FAULT_TARGET),
-        ({"VIEW1_OFFSET": (1 << 32) - 64}, (0, 2), FAULT_TARGET), ({}, every, 0)]
+        ({"VIEW1_OFFSET": (1 << 32) - 64}, (0, 2), FAULT_TARGET), ({}, every, 0),
+        ({"VIEW0_WIDTH": 0}, (1, 2), FAULT_SIZE), ({"VIEW2_HEIGHT": 0}, (0, 1), FAULT_SIZE),
+        ({"VIEW1_WIDTH": _LARGEST[0] + 1}, (0, 2), FAULT_SIZE),
+        ({"VIEW1_HEIGHT": _LARGEST[1] + 1}, (0, 2), FAULT_SIZE),
+        ({"VIEW0_SPLIT": 15}, (1, 2), FAULT_SIZE),
+        ({"DISTORTED_WIDTH": 7}, (), FAULT_SIZE), ({"DISTORTED_HEIGHT": 4097}, (), FAULT_SIZE),
+        ({"SOURCE_PITCH": 40}, (), FAULT_SIZE), ({"SOURCE_PITCH": 50}, (), FAULT_ALIGNMENT),
+        ({}, every, 0)]
     differing, outside = simulate_wrong_lists(corrector(), verilog, camera, entries, cases,
                                               clock_limit=200_000, transcripts=transcripts)
     assert differing == (0,) * len(cases) and outside == 0
@@ -198,6 +205,21 @@ def _spread(rng, geometry, number):
     return Entry(View.of(matrix, size), offset, pitch, form, (0, 0, 32)[number])
 
 
+def ragged(verilog, transcripts):
+    """Rows with any spans of pixels that have a source, some without such pixels."""
+    camera, raw = cameras()[1]
+    rng, (width, height) = np.random.default_rng(21), camera.geometry.corrected
+    spans = np.sort(rng.integers(0, width, (height, 4), endpoint=True), axis=1)
+    spans[::7] = 0
+    torn = replace(camera, valid=ValidRows(spans))
+    lists = [[Entry(View.identity((width, height))),
+              Entry(random_view(rng, camera.geometry, FOCAL, (20, 10), roll=180), 0x1000)],
+             [Entry(View.identity((width, height)), 0, 0, BGR8, 32)]]
+    result = simulate_passes(corrector(), verilog, [(torn, raw), cameras()[0]], lists,
+                             memory="ideal", clock_limit=60_000, transcripts=transcripts)
+    assert result.differing == (0, 0) and result.outside == 0
+
+
 def wide(verilog, transcripts):
     """Wide and tall views, in rasters and strips."""
     rng = np.random.default_rng(13)
@@ -235,8 +257,8 @@ def fuzz(verilog, transcripts):
 
 
 _RUNS = {"frame": frame, "lists": lists, "lens change": lens_change, "read back": read_back,
-         "wrong lists": wrong_lists, "far": far, "early start": early_start,
-         "resets, memory forgets": resets(True), "resets, memory answers": resets(False),
-         "register fuzz": fuzz, "wide": wide}
+         "wrong lists": wrong_lists, "ragged rows": ragged, "far": far,
+         "early start": early_start, "resets, memory forgets": resets(True),
+         "resets, memory answers": resets(False), "register fuzz": fuzz, "wide": wide}
 
 DESIGN = Design("core", "ncdc", make, tuple(PlayedBench(*item) for item in _RUNS.items()))
