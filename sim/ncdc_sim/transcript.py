@@ -5,7 +5,8 @@ from dataclasses import dataclass
 
 __all__ = ["Transcript"]
 
-_NO_RESULT = "PROGRESS ", "- "  # how lines begin that are for a progress bar, or the simulator's own
+# Lines that begin so are for a progress bar, or the simulator's own.
+_NO_RESULT = "PROGRESS ", "- "
 
 
 @dataclass(frozen=True)

@@ -120,7 +120,8 @@ def lens_change(verilog, transcripts):
     views = [random_view(rng, cameras()[k % 2][0].geometry, FOCAL, (40, 20 - k), pan=50, roll=180,
                          zoom=(.5, 4)) for k in range(4)]
     result = simulate_lens_change(corrector(), verilog, cameras(), len(views), views=views,
-                                  memory="hostile", intruder=True, clock_limit=60_000, transcripts=transcripts)
+                                  memory="hostile", intruder=True, clock_limit=60_000,
+                                  transcripts=transcripts)
     assert result.differing == (0,) * len(views)
     assert max(result.idle) <= _BETWEEN
 
@@ -174,7 +175,8 @@ def early_start(verilog, transcripts):
     views = [random_view(rng, camera[0].geometry, FOCAL, (40, 20)) for _ in range(2)]
     entries = placed(views, [(0, 20 * k) for k in range(2)], (40, 40))
     differing, early, clocks = simulate_follow(corrector(), verilog, camera, entries, line,
-                                               memory="ideal", clock_limit=60_000, transcripts=transcripts)
+                                               memory="ideal", clock_limit=60_000,
+                                               transcripts=transcripts)
     assert (differing, early) == (0, 0)
     assert clocks < 1.5 * line * camera[0].geometry.distorted_height
 
@@ -244,7 +246,8 @@ def resets(forgets):
                 for k in range(2)]
         result = simulate_resets(corrector(), verilog, raws, 5, forgets=forgets, longest=1500,
                                  lens=cameras()[0][0],
-                                 memory="hostile", clock_limit=200_000, transcripts=transcripts)
+                                 memory="hostile", clock_limit=200_000,
+                                 transcripts=transcripts)
         assert result.differing == (0,) * 5
     return run
 
@@ -252,7 +255,8 @@ def resets(forgets):
 def fuzz(verilog, transcripts):
     """Frames of random register values, and of right ones, in turn."""
     result = simulate_register_fuzz(corrector(), verilog, cameras()[0][1], 6,
-                                    lens=cameras()[0][0], memory="fixed:9:4", clock_limit=150_000, transcripts=transcripts)
+                                    lens=cameras()[0][0], memory="fixed:9:4", clock_limit=150_000,
+                                    transcripts=transcripts)
     assert result.differing == (0,) * 6 and result.outside == 0
 
 

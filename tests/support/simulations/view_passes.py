@@ -43,7 +43,8 @@ class PassResult:
     pixels: tuple
 
 
-def simulate_passes(corrector, verilog, cameras, lists, together=False, origins=(0, 0), **options):
+def simulate_passes(corrector, verilog, cameras, lists, together=False, origins=(0, 0),
+                    **options):
     """Make a pass of each of ``lists``, the cameras taking turns, each started while the last one
     runs.
 
