@@ -182,7 +182,7 @@ def run(command, folder, on_line=lambda line: None):
                               + "\n".join(last))
 
 
-def results_of(program, plusargs, hear=lambda kind, *values: None):
+def results_of(program, plusargs, hear=lambda kind, *values: None, more=()):
     """Run what :func:`build` made in a folder of its own; the numbers of its lines ``RESULT name
     number``, by name.
 
@@ -192,6 +192,8 @@ def results_of(program, plusargs, hear=lambda kind, *values: None):
     plusargs : dict
     hear : callable
         Called with the words of every other line that has any.
+    more : sequence of str
+        Further plusargs.
 
     Raises
     ------
@@ -208,8 +210,8 @@ def results_of(program, plusargs, hear=lambda kind, *values: None):
             results[values[0]] = int(values[1])
 
     with tempfile.TemporaryDirectory(prefix="ncdc-") as folder:
-        run([*command_of(program), *(f"+{name}={value}" for name, value in plusargs.items())],
-            folder, on_line)
+        run([*command_of(program), *(f"+{name}={value}" for name, value in plusargs.items()),
+             *more], folder, on_line)
     if not results:
         raise SimulationError("the simulation ended without a result")
     return results

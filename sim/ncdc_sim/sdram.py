@@ -6,8 +6,11 @@ from fractions import Fraction
 from ncdc_hdl.export.verilog import module_verilog
 from ncdc_sim.runner import HDL, build_bench, results_of
 
-__all__ = ["ALONE", "ANYWHERE", "CORRECTOR", "Host", "ONWARDS", "SILENT", "chip_parameters",
-           "run_sdram", "sdram_results"]
+__all__ = ["ALONE", "ANYWHERE", "CORRECTOR", "Host", "ONWARDS", "SDRAM_CONTROLLER", "SILENT",
+           "chip_parameters", "run_sdram", "sdram_results"]
+
+SDRAM_CONTROLLER = "sdram_controller"
+"""Name of the controller's module."""
 
 # What a host of ``hdl/sdram_bench.v`` does.
 SILENT, ANYWHERE, ONWARDS, CORRECTOR = range(4)
@@ -60,7 +63,8 @@ def run_sdram(controller, hosts, *, clocks, clock_hz, simulator="verilator", **s
         One of ``ncdc_sim.tools.SIMULATORS``.
     settings
         ``seed``; ``resets``, mean clocks between two; ``times``, changed times of the chip's model
-        in ps, by the names of its parameters.
+        in ps, by the names of its parameters; ``verilog``, the controller's text, made if absent;
+        ``more``, further plusargs.
 
     Returns
     -------
@@ -81,7 +85,8 @@ def run_sdram(controller, hosts, *, clocks, clock_hz, simulator="verilator", **s
                "NCDC_BURST": mapping.max_burst, "NCDC_COLUMNS": mapping.column_bits,
                "NCDC_ROWS": mapping.chip.row_bits, "NCDC_BEATS": mapping.beats}
     names = ("sdram_chip.v", "avalon_checker.v", "sdram_bench.v")
-    sources = [("controller.v", module_verilog(controller, "sdram_controller")),
+    verilog = settings.get("verilog") or module_verilog(controller, SDRAM_CONTROLLER)
+    sources = [("controller.v", verilog),
                ("sdram_dut.v", _dut(controller, parameters)),
                *((name, (HDL / name).read_text()) for name in names)]
     program = build_bench("sdram", "sdram_bench", sources, defines=defines, simulator=simulator,
@@ -91,14 +96,17 @@ def run_sdram(controller, hosts, *, clocks, clock_hz, simulator="verilator", **s
     plusargs |= {name: "".join(f"{getattr(host, field):02x}" for host in reversed(hosts))
                  for name, field in (("kind", "kind"), ("gap", "gap"), ("least", "min_words"),
                                      ("most", "max_words"))}
-    found = sdram_results(program, plusargs)
+    found = sdram_results(program, plusargs, settings.get("more", ()))
     for name in ("words", "longest"):
         found[name] = [found.pop(f"{name}{k}") for k in range(len(hosts))]
     return found
 
 
-def sdram_results(program, plusargs):
-    """Numbers of a bench with the chip's model, and ``rules``, the set of rules violated."""
+def sdram_results(program, plusargs, more=()):
+    """Numbers of a bench with the chip's model, and ``rules``, the set of rules violated.
+
+    ``more``: further plusargs, as text.
+    """
     rules = set()
 
     def hear(kind, *values):
@@ -107,7 +115,7 @@ def sdram_results(program, plusargs):
         elif kind == "AVALON-ERROR":
             rules.add(f"avalon {values[1]}")
 
-    return results_of(program, plusargs, hear) | {"rules": rules}
+    return results_of(program, plusargs, hear, more) | {"rules": rules}
 
 
 def _dut(controller, parameters):
@@ -147,7 +155,7 @@ module sdram_dut (
     wire [{max(chip.row_bits, 11) - 1}:0] a;
     wire [{chip.data_bits // 8 - 1}:0] dqm;
     wire [{chip.data_bits - 1}:0] dq_c, dq_m;
-    sdram_controller controller ({ports}
+    {SDRAM_CONTROLLER} controller ({ports}
         {pins}
         .pins__dq_o(dq_c), .pins__dq_oe(dq_oe),
         .pins__dq_i(dq_drives ? dq_m : {{{chip.data_bits}{{1'b1}}}}),

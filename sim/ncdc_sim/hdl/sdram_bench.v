@@ -33,6 +33,7 @@ module sdram_bench(input wire clk);
     localparam BEATS = `NCDC_BEATS;
     localparam QUEUE = 1024;                    // words that a reader waits for
     localparam LOG = 4 * BURST;                 // words written last that a reset may lose
+    localparam LATEST = 200000;                 // clock in which the chip must be ready
 
     // Settings.
     reg [63:0] clocks, seed, resets;
@@ -369,6 +370,10 @@ module sdram_bench(input wire clk);
             end
         end
 
+        if (now == LATEST && ready_at == 0) begin
+            $display("FAILED the controller is not ready after %0d clocks", now);
+            $finish;
+        end
         if (now == clocks + ready_at && ready_at != 0) begin
             $display("RESULT violations %0d", violations);
             $display("RESULT wrong %0d", wrong);

@@ -1,0 +1,98 @@
+"""The SDRAM controller of two readers, a video reader and a writer, with the chip's model."""
+
+from dataclasses import replace
+from functools import cache
+
+from ncdc_bench.mutation.designs import Bench, Design
+from ncdc_boards.sdram.chips import AS4C16M16SA_6
+from ncdc_boards.sdram.controller import SdramController
+from ncdc_sim.sdram import (
+    ALONE,
+    ANYWHERE,
+    CORRECTOR,
+    ONWARDS,
+    SDRAM_CONTROLLER,
+    SILENT,
+    Host,
+    run_sdram,
+)
+
+__all__ = ["DESIGN"]
+
+_CLOCK_HZ = 133e6
+_PAUSE_US = 2           # of the chip's initialisation: that of the data sheet takes 200
+_OFF = Host(SILENT)
+_MIXED = [Host(ANYWHERE, 60, 1, 8), Host(CORRECTOR, 60, 2, 4), Host(ONWARDS, 150, 16, 16),
+          Host(ONWARDS, 150, 1, 16)]
+_SHORT = [Host(ANYWHERE, 0, 1, 2)] * 3 + [Host(ANYWHERE, 0, 1, 16)]
+_WHOLE = Host(ANYWHERE, 0, 16, 16)
+
+
+def make():
+    """The controller, anew: words of two beats."""
+    return SdramController(replace(AS4C16M16SA_6, pause=_PAUSE_US), _CLOCK_HZ, 32, 3, 16)
+
+
+@cache
+def controller():
+    """The controller, made once, for its figures."""
+    return make()
+
+
+def outcome(hosts, clocks, verilog, more, **settings):
+    """Results of a run in which no rule is broken and no word is wrong."""
+    result = run_sdram(controller(), hosts, clocks=clocks, clock_hz=_CLOCK_HZ, verilog=verilog,
+                       more=more, **settings)
+    assert not result["rules"], result["rules"]
+    assert (result["violations"], result["port_errors"], result["wrong"]) == (0, 0, 0)
+    assert result["checked"] >= result["unsure"]
+    assert result["refreshes"] * controller().clocks.refresh > clocks
+    return result
+
+
+def mixed(verilog, more):
+    """Each host with pauses of its own; the share of clocks with data."""
+    result = outcome(_MIXED, 30_000, verilog, more)
+    assert min(result["words"]) > 100
+    assert result["beats"] > .8 * 30_000
+
+
+def short(verilog, more):
+    """Short bursts anywhere, in each clock: another row nearly always."""
+    result = outcome(_SHORT, 15_000, verilog, more, seed=2)
+    assert min(result["words"]) > 30
+
+
+def onwards(verilog, more):
+    """Bursts one after the other: a word in nearly each pair of clocks, of each host alone."""
+    for k, share in enumerate((.93, .93, .97, .97)):
+        hosts = [_OFF] * 4
+        hosts[k] = Host(ONWARDS, 0, 16, 16)
+        result = outcome(hosts, 4000, verilog, more)
+        assert result["beats"] > share * 4000, (k, result["beats"])
+
+
+def waits(verilog, more):
+    """A host alone has its word after the least time; one among busy hosts within its bound."""
+    made = controller()
+    result = outcome([Host(ANYWHERE, ALONE, 1, 1), _OFF, _OFF, _OFF], 4000, verilog, more)
+    times, refresh = made.sequencer.banks.times, made.sequencer.delay + made.clocks.rfc
+    limit = made.latency + times["rp"] + times["rcd"] + 2 + refresh
+    assert made.latency <= result["longest"][0] <= limit
+    for index, host in enumerate(("read", "read", "video", "write")):
+        hosts = [_WHOLE] * 4
+        hosts[index] = Host(ANYWHERE, ALONE, 16, 16)
+        result = outcome(hosts, 6000, verilog, more)
+        assert result["longest"][index] <= made.bounds[host], (host, result["longest"])
+
+
+def resets(verilog, more):
+    """Resets in the midst of all: what was written well before is still there."""
+    result = outcome(_MIXED, 40_000, verilog, more, resets=1200, seed=3)
+    assert result["resets"] > 15
+
+
+_RUNS = {"short bursts": short, "mixed hosts": mixed, "one host alone": onwards,
+         "waits": waits, "resets": resets}
+
+DESIGN = Design("sdram", SDRAM_CONTROLLER, make, tuple(Bench(*item) for item in _RUNS.items()))
