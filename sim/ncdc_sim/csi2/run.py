@@ -16,9 +16,11 @@ from ncdc_hdl.export.verilog import module_verilog
 from ncdc_sim.runner import HDL, build, command_of, run
 from ncdc_spec.sensors.level import SAMPLE_BITS
 
-__all__ = ["Frame", "Received", "receive"]
+__all__ = ["RECEIVER", "FlatReceiver", "Frame", "Received", "receive"]
 
-_TOP = "csi2"
+RECEIVER = "csi2"
+"""Name of the module that is run."""
+
 _MORE_CLOCKS = 8
 _FLAGS = [*(name for name, _ in FAULTS), "first", "last", "end", "bad"]
 
@@ -38,7 +40,7 @@ class Received:
     faults: dict
 
 
-class _Flat(wiring.Component):
+class FlatReceiver(wiring.Component):
     """A receiver whose ports are numbers: lanes as (data, active) each, outputs as ``_FLAGS``, the
     valid bits and the samples."""
 
@@ -61,13 +63,17 @@ class _Flat(wiring.Component):
 
 
 @cache
-def _program(lanes):
+def _verilog(lanes):
+    """Text of a receiver."""
+    return module_verilog(FlatReceiver(Receiver(lanes)), RECEIVER)
+
+
+def _program(verilog):
     """The compiled receiver."""
-    return build(_TOP, _TOP, [(f"{_TOP}.v", module_verilog(_Flat(Receiver(lanes)), _TOP))],
-                 main=HDL / "csi2_main.cpp")
+    return build(RECEIVER, RECEIVER, [(f"{RECEIVER}.v", verilog)], main=HDL / "csi2_main.cpp")
 
 
-def receive(lanes, data, active, *, channel, kind, reset=None):
+def receive(lanes, data, active, *, channel, kind, reset=None, verilog=None, more=()):
     """What a receiver's Verilog makes of the lanes, in a Verilator model.
 
     Some clocks of low-power mode follow, in which the end of the last frame leaves.
@@ -81,6 +87,10 @@ def receive(lanes, data, active, *, channel, kind, reset=None):
         Settings of the receiver.
     reset : array_like of bool, optional
         Whether each clock is one of a reset.
+    verilog : str, optional
+        Text of a :class:`FlatReceiver`, made if absent.
+    more : sequence of str
+        Plusargs.
 
     Returns
     -------
@@ -106,7 +116,8 @@ def receive(lanes, data, active, *, channel, kind, reset=None):
     with tempfile.TemporaryDirectory(prefix="ncdc-") as name:
         folder = Path(name)
         words.tofile(folder / "inputs")
-        run([*command_of(_program(lanes)), "inputs", "outputs", str(settings)], folder)
+        program = _program(verilog or _verilog(lanes))
+        run([*command_of(program), "inputs", "outputs", str(settings), *more], folder)
         clocks, outputs = np.fromfile(folder / "outputs", "<u8").reshape(-1, 2).T
     return _received(lanes, clocks, outputs, reset is not None)
 

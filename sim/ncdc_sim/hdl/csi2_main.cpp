@@ -1,6 +1,6 @@
 // Feeds a CSI-2 receiver, module `csi2` with ports clk, rst, settings, i and o, from a file of
 // 64-bit words: `i`, with the reset in bit 63. Writes the number of each clock in which `o` is not
-// zero, and `o`, both in 64 bits. Arguments: input file, output file, settings.
+// zero, and `o`, both in 64 bits. Arguments: input file, output file, settings, plusargs.
 
 #include <cstdint>
 #include <cstdio>
@@ -23,12 +23,13 @@ constexpr std::size_t kBlock = 1 << 16;
 }  // namespace
 
 int main(int argc, char** argv) {
-    if (argc != 4) fail("three arguments are needed");
+    if (argc < 4) fail("three arguments are needed");
     std::FILE* const inputs = std::fopen(argv[1], "rb");
     std::FILE* const outputs = std::fopen(argv[2], "wb");
     if (!inputs || !outputs) fail("a file cannot be opened");
 
     const auto context = std::make_unique<VerilatedContext>();
+    context->commandArgs(argc, argv);
     const auto receiver = std::make_unique<Vcsi2>(context.get());
     receiver->settings = std::strtoul(argv[3], nullptr, 10);
     receiver->clk = 0;
