@@ -83,7 +83,7 @@ def _gateware(args):
     report = _recorded(args)
     table = report["rows"]
     for name in chosen:
-        skipped = {row["module"] for row in table if row["design"] == name}
+        skipped = {row["module"] for row in table if row["design"] == name} | known[name].left()
         for verdicts in judge(known[name], per_module=args.per_module, seed=args.seed,
                               modules=args.module, skipped=skipped,
                               seconds=args.proof_seconds, progress=Progress(name)):

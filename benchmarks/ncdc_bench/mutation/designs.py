@@ -5,13 +5,13 @@ import sys
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from ncdc_bench.mutation.netlist import ROOT
+from ncdc_bench.mutation.netlist import ROOT, distinct_modules
 from ncdc_spec.errors import InputError
 
 __all__ = ["Bench", "Design", "PlayedBench", "designs"]
 
 # Each design and its benches lie with the tests, which run the same benches without a mutant.
-_MODULES = ("core", "sdram", "csi2")
+_MODULES = ("core", "system", "sdram", "csi2", "packetiser")
 
 
 @dataclass(frozen=True)
@@ -59,11 +59,21 @@ class Design:
         Makes the component.
     benches : tuple of Bench or PlayedBench
         In the order in which they run until one fails.
+    leaves : tuple of str
+        Instances of the top module that another design judges, with all in them.
     """
     name: str
     top: str
     make: Callable
     benches: tuple
+    leaves: tuple = ()
+
+    def left(self):
+        """Names of the modules that another design judges, as a set."""
+        starts = [f"{self.top}.{name}" for name in self.leaves]
+        modules = distinct_modules(self.make(), self.top) if starts else ()
+        return {one.name for one in modules for start in starts
+                if one.original == start or one.original.startswith(f"{start}.")}
 
 
 def designs():

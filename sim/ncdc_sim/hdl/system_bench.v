@@ -21,7 +21,8 @@
 // The clocks of the system and of the sensor come from the program around this module, each with
 // its own period. Memory that was not written holds 0xA5. SDA and SCL are pulled up.
 //
-// Lines that come unasked: AVALON-ERROR port rule time; SENSOR lines; FAILED reason.
+// Lines that come unasked: AVALON-ERROR port rule time; SENSOR lines; FAILED reason. Plusarg
+// clock_limit: the run fails in that clock; 0: never.
 //
 // Defines: NCDC_DATA_WIDTH, NCDC_READ_PORTS, NCDC_READ_BURST_WIDTH, NCDC_MEMORY_BYTES,
 // NCDC_THREE_READ_PORTS, NCDC_STREAM (pixels per beat), NCDC_SENSOR (its name), NCDC_USB (the number
@@ -51,9 +52,10 @@ module system_bench (
 
     reg rst = 1, module_rst = 1, memory_rst = 1;
     reg sensor_reset_n = 0;
-    reg [31:0] memory_bytes, sink_probability;
+    reg [31:0] memory_bytes, sink_probability, clock_limit;
 
     initial begin
+        if (!$value$plusargs("clock_limit=%d", clock_limit)) clock_limit = 0;
         if (!$value$plusargs("memory_bytes=%d", memory_bytes)) memory_bytes = 0;
         if (!$value$plusargs("sink_probability=%d", sink_probability)) sink_probability = 256;
         memory.fill(0, memory_bytes, 8'hA5);
@@ -238,6 +240,11 @@ module system_bench (
 
     always @(posedge clk) begin
         clocks = clocks + 1;
+        if (clocks == clock_limit) begin
+            $display("FAILED the run did not end in %0d clocks", clock_limit);
+            $fflush;
+            $finish;
+        end
         rst <= clocks < 8;
         module_rst <= clocks < 8;
         memory_rst <= clocks < 8;

@@ -35,6 +35,8 @@ class SystemHost:
     ----------
     camera : Camera
         Instance of ``ncdc_camera.py``'s class.
+    errors : type
+        What it raises if the sensor does not answer, or a write is rejected.
     """
 
     def __init__(self, live, system):
@@ -49,11 +51,16 @@ class SystemHost:
         self.camera = driver.CameraSystem(lambda offset: live.read(offset >> 2),
                                     lambda offset, value: live.write(offset >> 2, value),
                                     lambda: live.wait(8 * self.quarter))
+        self.errors, self._offsets = driver.CameraError, {r.name: 4 * r.address for r in table}
         self.quarter = 8        # clocks of a quarter of a bit on the I2C bus
 
     def get(self, name):
         """Value of a register."""
         return self.camera.get(name)
+
+    def write(self, name, value):
+        """Write a register; nothing is raised if the system rejects it."""
+        self.camera.write(self._offsets[name], value)
 
     def claim(self, corrected=True, reader=0):
         """Claim the newest frame; its :class:`Content`, or None if there is none."""

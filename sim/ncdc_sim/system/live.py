@@ -59,6 +59,10 @@ class LiveRun:
         How often, of 256 clocks, the sink of a stream is ready.
     waves : Waves, optional
         Where to write the waveforms; they are complete after the context.
+    clock_limit : int
+        Clocks after which the run fails; 0: none.
+    optimise : str, optional
+        As of :func:`ncdc_sim.runner.build`.
     more : sequence of str
         Further plusargs.
     """
@@ -70,6 +74,8 @@ class LiveRun:
     seed: int = 1
     sink_probability: int = 256
     waves: Waves | None = None
+    clock_limit: int = 0
+    optimise: str | None = None
     more: tuple = ()
 
 
@@ -90,6 +96,7 @@ class LiveSystem:
 
     Attributes
     ----------
+    memory_bytes : int
     now : int
         Clocks since the start, at the last answer.
     results : dict
@@ -108,13 +115,14 @@ class LiveSystem:
         self.width = ports["read0_readdata"]
         self.readers = sum(name.endswith("_readdata") and name.startswith("read")
                            for name in ports)
-        self.stream = "stream_data" in ports
+        self.stream, self.memory_bytes = "stream_data" in ports, memory_bytes
         if not hasattr(memory, "latency") and not hasattr(memory, "banks"):
             raise InputError("LiteDRAM cannot be the memory of a camera's run")
         binary = self._build(verilog, ports, self._camera(ports, sensor, run.camera),
-                             run.simulator, memory_bytes, build_options(run.waves, run.simulator))
+                             run.simulator, memory_bytes, build_options(run.waves, run.simulator),
+                             run.optimise)
         settings = memory_settings(memory, self.width, self.readers) | {
-            "memory_bytes": memory_bytes, "seed": run.seed,
+            "memory_bytes": memory_bytes, "seed": run.seed, "clock_limit": run.clock_limit,
             "sink_probability": run.sink_probability, **vars(run.clocks),
             "csi2_lane_hz": 8 * 10**12 // run.clocks.lane_period}
         plusargs = [*(f"+{key}={value}" for key, value in settings.items()),
@@ -145,7 +153,7 @@ class LiveSystem:
                                          for name in ports)}
         return defines, sensor_sources()
 
-    def _build(self, verilog, ports, camera, simulator, memory_bytes, options):
+    def _build(self, verilog, ports, camera, simulator, memory_bytes, options, optimise):
         camera_defines, camera_sources = camera
         defines = {"NCDC_DATA_WIDTH": self.width, "NCDC_READ_PORTS": self.readers,
                    "NCDC_READ_BURST_WIDTH": ports["read0_burstcount"],
@@ -159,7 +167,7 @@ class LiveSystem:
         sources = [*((name, hdl_text(name)) for name in _BENCH), *camera_sources,
                    ("ncdc_system.v", verilog)]
         return build_bench("system", "system_bench", sources, defines=defines,
-                           simulator=simulator, options=(*_OPTIONS, *options))
+                           simulator=simulator, options=(*_OPTIONS, *options), optimise=optimise)
 
     def __enter__(self):
         return self

@@ -45,7 +45,7 @@ class Running:
 
 @contextmanager
 def running(system, setup, light, *, corner=(0, 0), clocks=None, verilog=None, registers=None,
-            gains=NO_RAW_GAINS, **run):
+            gains=NO_RAW_GAINS, quarter=None, **run):
     """A :class:`Running` camera, as a context.
 
     The sensor is set up by I2C while the camera is enabled already: its first frame is number 1.
@@ -67,6 +67,8 @@ def running(system, setup, light, *, corner=(0, 0), clocks=None, verilog=None, r
         Written before the camera is enabled.
     gains : tuple of int
         Of the samples at capture, in 256ths.
+    quarter : int, optional
+        Clocks of a quarter of a bit on the I2C bus; if absent those of 400 kHz.
     run :
         As of :class:`LiveSystem`.
     """
@@ -83,7 +85,7 @@ def running(system, setup, light, *, corner=(0, 0), clocks=None, verilog=None, r
         host = SystemHost(live, system)
         live.sensor_power(True)
         live.wait(100)
-        host.quarter = quarter_clocks(10**12 // clocks.clk_period, _I2C_HZ)
+        host.quarter = quarter or quarter_clocks(10**12 // clocks.clk_period, _I2C_HZ)
         if setup.link:
             host.camera.put(CSI_CHANNEL=0, CSI_TYPE=setup.link.data_type)
         if crop.grid:

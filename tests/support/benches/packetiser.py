@@ -9,6 +9,7 @@ from cocotb.triggers import FallingEdge, ReadOnly
 
 from benches.avalon import Host, read_memory
 from benches.common import clocks, settings, start, unpack
+from frame_packets import packet_of, packets_of, some_headers
 from ncdc_hdl.link.layouts import BEAT
 from ncdc_spec.pixel_formats import format_of_name
 from ncdc_spec.protocols.link_headers import Endpoint, Headers, gvsp_headers, mraw_headers
@@ -17,7 +18,6 @@ from ncdc_spec.registers.link_map import (
     CONTROL_ABORT,
     CONTROL_SEND,
     LINK,
-    NUMBER_BITS,
     PAYLOAD_BITS,
     RESEND_BEFORE,
     STATUS_BUSY,
@@ -126,26 +126,11 @@ class Link:
 
     def packet(self, headers, base, position):
         """Packet number ``position`` of a frame, 0 for the leader; empty if there is none."""
-        payload, kind = b"", "leader"
-        if position > headers.packets:
-            kind = "trailer"
-        elif position:
-            kind = "payload" if position < headers.packets else "last"
-            at = base + (position - 1) * headers.payload_bytes
-            length = headers.payload_bytes if position < headers.packets else headers.last_bytes
-            payload = self.content[at:at + length]
-        header = bytearray(getattr(headers, kind))
-        at, count = headers.field
-        number = (headers.first - 1 + position) % (1 << NUMBER_BITS)
-        field = number.to_bytes(4, "big")[4 - count:] if count else b""
-        stop = min(at + count, len(header))
-        header[at:stop] = field[:max(0, stop - at)]
-        return bytes(header) + payload
+        return packet_of(self.content, headers, base, position)
 
     def frame(self, headers, base):
         """All packets of a frame, in order."""
-        return [packet for position in range(headers.packets + 2)
-                if (packet := self.packet(headers, base, position))]
+        return packets_of(self.content, headers, base)
 
     def take(self, expected):
         """These packets have come, and no others."""
@@ -200,17 +185,6 @@ async def mraw(dut):
     image = b"".join(packet[46:] for packet in link.packets[1:])
     assert image == link.content[512:512 + package.size]
     link.take(expected)
-
-
-def some_headers(rng, largest):
-    """Headers of any length, a field anywhere in or after them."""
-    def header(minimum):
-        return rng.randbytes(rng.choice((0, minimum, rng.randrange(minimum, 90))))
-    payload = 16 * rng.randrange(1, largest // 16 + 1)
-    return Headers(header(1), header(0), header(0), header(1),
-                   (rng.randrange(0, 90), rng.randrange(0, 5)),
-                   rng.choice((0, 1, 5, 0x123456)), payload, rng.randrange(1, 6),
-                   rng.randrange(1, payload + 1))
 
 
 @cocotb.test()

@@ -1,0 +1,257 @@
+"""The packetiser of 64-bit memory words, between a memory, a host and a line."""
+
+import random
+from dataclasses import replace
+from functools import cache
+
+from frame_packets import packet_of, packets_of, some_headers
+from ncdc_bench.mutation.designs import Bench, Design
+from ncdc_hdl.link.packetiser import Packetiser
+from ncdc_spec.protocols.link_headers import Headers
+from ncdc_spec.registers.link_map import (
+    CONTROL_ABORT,
+    CONTROL_SEND,
+    LINK,
+    LINK_SETTINGS,
+    RESEND_BEFORE,
+    STATUS_BUSY,
+    STATUS_DONE,
+    STATUS_REFUSED,
+    STATUS_RESENDING,
+    STATUS_RESENT,
+    TEMPLATES,
+)
+from simulations.packets import PACKETISER, Script, simulate_packets
+
+__all__ = ["DESIGN"]
+
+_WIDTH, _CAPACITY = 64, 512
+_CONTENT = random.Random(1).randbytes(8192)
+_BUSY = STATUS_BUSY | STATUS_RESENDING
+_BUILT = 100        # clocks in which a short packet is built
+_MEMORY = {"latency_min": 1, "latency_max": 40, "wait_probability": 80, "max_pending": 4,
+           "clock_limit": 120_000}
+
+
+def make():
+    """The packetiser, anew."""
+    return Packetiser(_WIDTH, capacity=_CAPACITY)
+
+
+def outcome(verilog, more, script, **settings):
+    """The results of a script."""
+    return simulate_packets(verilog, _WIDTH, _CONTENT, script, more=more, **_MEMORY | settings)
+
+
+def plain(payload, packets, **changed):
+    """Headers without anything special, of a frame of so many packets."""
+    rng = random.Random(payload)
+    return replace(Headers(rng.randbytes(9), rng.randbytes(46), rng.randbytes(46), rng.randbytes(6),
+                           (2, 3), 1, payload, packets, payload - 15), **changed)
+
+
+@cache
+def any_frames():
+    """A script of frames of any headers, and the packets that must come."""
+    rng, script, expected = random.Random(2), Script(), []
+    for _ in range(14):
+        headers, base = some_headers(rng, _CAPACITY), 16 * rng.randrange(0, 64)
+        script.prepare(rng, headers, base)
+        script.put(CONTROL=CONTROL_SEND)
+        script.interrupt()
+        script.settled(_BUSY)
+        expected += packets_of(_CONTENT, headers, base)
+    script.get("SENT")
+    script.get("RESENT")
+    return script, expected
+
+
+def frames(verilog, more):
+    """Headers and payloads of any length, numbers anywhere; a line that stalls, and one that
+    does not."""
+    script, expected = any_frames()
+    for stall in (0, 150):
+        result = outcome(verilog, more, script, stall=stall)
+        assert result.packets == expected
+        assert result.reads == [*[STATUS_DONE] * 14, len(expected), 0]
+        assert result.results["irq"] == 0
+
+
+@cache
+def some_ranges():
+    """A script of ranges that are sent again; packets, and what is read."""
+    rng, script, expected, reads, before = random.Random(3), Script(), [], [], None
+    for _ in range(8):
+        headers = replace(plain(32, 4), leader=rng.randbytes(9), trailer=rng.randbytes(6),
+                          last_bytes=17)
+        base = 16 * rng.randrange(0, 64)
+        script.prepare(rng, headers, base)
+        script.put(CONTROL=CONTROL_SEND)
+        expected += packets_of(_CONTENT, headers, base)
+        for _ in range(3):
+            first, last = rng.randrange(0, 9), rng.randrange(0, 9)
+            of = rng.choice([(headers, base, 0)] + [before] * (before is not None))
+            script.put(RESEND_FIRST=first, RESEND_LAST=last | of[2])
+            expected += [packet_of(_CONTENT, of[0], of[1], position)
+                         for position in range(first, min(last, 5) + 1)]
+            script.settled(STATUS_RESENDING)
+        script.settled(_BUSY)
+        before = headers, base, RESEND_BEFORE
+    script.get("SENT")
+    script.get("RESENT")
+    reads = [8 * 6, len(expected) - 8 * 6]
+    return script, expected, reads
+
+
+def again(verilog, more):
+    """Ranges of a frame and of the one before, while packets are sent and after them."""
+    script, expected, reads = some_ranges()
+    result = outcome(verilog, more, script, stall=60)
+    # They come somewhere between the others.
+    assert sorted(result.packets) == sorted(expected)
+    assert result.reads[-2:] == reads
+    for k in range(8):
+        statuses = result.reads[4 * k:4 * k + 3]
+        assert all(one & (STATUS_RESENT | STATUS_REFUSED) == STATUS_RESENT for one in statuses)
+
+
+def far(verilog, more):
+    """Ranges far from the beginning of a frame that is aborted at once."""
+    rng, script, expected = random.Random(4), Script(), []
+    for payload, packets in ((16, 300), (48, 120)):
+        headers = plain(payload, packets, leader=b"", trailer=b"", first=9, last_bytes=3)
+        base = 16 * rng.randrange(0, 20)
+        script.prepare(rng, headers, base)
+        script.put(CONTROL=CONTROL_SEND)
+        script.put(CONTROL=CONTROL_ABORT)
+        script.settled(_BUSY)
+        for first in (1, packets - 1, *(rng.randrange(1, packets) for _ in range(4))):
+            script.put(RESEND_FIRST=first + 8, RESEND_LAST=first + 9)
+            script.settled(_BUSY)
+            expected += [packet_of(_CONTENT, headers, base, position)
+                         for position in (first, first + 1)]
+        script.get("SENT")
+    result = outcome(verilog, more, script)
+    sent = result.reads[-1]
+    assert len(result.packets) == sent + len(expected)
+    assert [one for one in result.packets if one in expected] == expected or sent > 0
+    assert result.packets[-12:] == expected[-12:]
+
+
+def registers(verilog, more):
+    """Each register has its bits, and those only; what is no register reads as zero."""
+    script, expected = Script(), []
+    for register in LINK:
+        script.read(register.address)
+        expected.append(1456 if register.name == "LINK_PAYLOAD" else 0)
+    for word in (0xFFFFFFFF, 0x5A5AA5A5, 0x00FF55AA):
+        for register in LINK:
+            if register.access == "rw":
+                script.write(register.address, word)
+        for register in LINK:
+            script.read(register.address)
+            value = word & (1 << register.shape.width) - 1 if register.access == "rw" else 0
+            expected.append(value & -(_WIDTH // 8) if register.name == "LINK_BASE" else value)
+    for address in (15, 16, 24, 25, 64 + 3, TEMPLATES + 4):
+        script.read(address)
+        expected.append(0)
+    assert outcome(verilog, more, script).reads == expected
+
+
+def rejected(verilog, more):
+    """Writes that would corrupt packets are rejected and reported."""
+    rng, script, headers, statuses = random.Random(5), Script(), plain(128, 8), []
+    expected = []
+
+    def settled(status):
+        script.settled(_BUSY)
+        statuses.append(status)
+
+    script.put(RESEND_FIRST=0, RESEND_LAST=1)
+    settled(STATUS_REFUSED)
+    for wrong in ({"PAYLOAD": 24}, {"PAYLOAD": 0}, {"PACKETS": 0}, {"LAST": 0}, {"LAST": 129},
+                  {"PAYLOAD": _CAPACITY + 16}):
+        script.prepare(rng, headers, 64, delay=50)
+        script.put(**wrong, CONTROL=CONTROL_SEND)
+        settled(STATUS_REFUSED)
+    for name in LINK_SETTINGS:
+        script.prepare(rng, headers, 64, delay=50)
+        script.put(CONTROL=CONTROL_SEND)
+        script.put(**{name.removeprefix("LINK_"): 3})
+        settled(STATUS_DONE | STATUS_REFUSED)
+        expected += packets_of(_CONTENT, headers, 64)
+    # A frame while one is sent, and a range while one is sent again.
+    script.prepare(rng, headers, 64, delay=200)
+    script.put(CONTROL=CONTROL_SEND)
+    script.put(CONTROL=CONTROL_SEND)
+    settled(STATUS_DONE | STATUS_REFUSED)
+    script.put(RESEND_FIRST=0, RESEND_LAST=3)
+    script.put(RESEND_LAST=4)
+    settled(STATUS_RESENT | STATUS_REFUSED)
+    whole = packets_of(_CONTENT, headers, 64)
+    expected += [*whole, *whole[:4]]
+    # A header of the frame before, while that is sent again.
+    script.put(RESEND_FIRST=0, RESEND_LAST=9 | RESEND_BEFORE)
+    script.write(TEMPLATES + 1, 0)
+    script.put(RESEND_LAST=9)
+    settled(STATUS_RESENT | STATUS_REFUSED)
+    expected += packets_of(_CONTENT, headers, 64)
+    result = outcome(verilog, more, script)
+    assert result.reads == statuses
+    assert result.packets == expected
+
+
+def pauses(verilog, more):
+    """`LINK_DELAY` clocks between two packets, and no fewer; not many more."""
+    headers = plain(64, 5)
+    for delay in (177, 600):
+        script = Script()
+        script.prepare(random.Random(6), headers, 0, delay=delay)
+        script.put(CONTROL=CONTROL_SEND)
+        script.settled(_BUSY)
+        script.get("CLOCKS")
+        script.get("STALLS")
+        result = outcome(verilog, more, script, wait_probability=0, latency_max=1)
+        gaps = [begin - end - 1 for (begin, _), (_, end) in zip(result.times[1:], result.times)]
+        assert len(gaps) == 6 and min(gaps) >= delay and max(gaps) <= delay + _BUILT, gaps
+        assert result.packets == packets_of(_CONTENT, headers, 0)
+        clocks, stalls = result.reads[-2:]
+        whole = result.times[-1][1] - result.times[0][0]
+        assert whole < clocks < whole + 400 and stalls < clocks
+
+
+def aborted(verilog, more):
+    """No packet after those on their way; the next frame is right. Then resets at any time."""
+    rng, script, headers = random.Random(7), Script(), plain(64, 20)
+    script.prepare(rng, headers, 0)
+    script.put(CONTROL=CONTROL_SEND)
+    script.wait(60)
+    script.put(CONTROL=CONTROL_ABORT)
+    script.settled(_BUSY)
+    script.get("SENT")
+    script.prepare(rng, headers, 16)
+    script.put(CONTROL=CONTROL_SEND)
+    script.settled(_BUSY)
+    result = outcome(verilog, more, script)
+    sent, whole = result.reads[1], packets_of(_CONTENT, headers, 0)
+    assert result.reads[0] == STATUS_DONE and 0 < sent < len(whole)
+    assert result.packets == [*whole[:sent], *packets_of(_CONTENT, headers, 16)]
+
+    script, whole = Script(), packets_of(_CONTENT, headers, 16)
+    for _ in range(10):
+        script.prepare(rng, headers, 16)
+        script.put(CONTROL=CONTROL_SEND)
+        script.wait(rng.randrange(1, 500))
+        script.reset(rng.randrange(1, 4))
+    script.prepare(rng, headers, 16)
+    script.put(CONTROL=CONTROL_SEND)
+    script.settled(_BUSY)
+    result = outcome(verilog, more, script, stall=60)
+    assert result.reads == [STATUS_DONE] and result.packets[-len(whole):] == whole
+    assert all(packet in whole for packet in result.packets)
+
+
+_RUNS = {"frames": frames, "registers": registers, "packets again": again, "far packets": far,
+         "rejected writes": rejected, "pauses": pauses, "aborts and resets": aborted}
+
+DESIGN = Design("packetiser", PACKETISER, make, tuple(Bench(*item) for item in _RUNS.items()))
