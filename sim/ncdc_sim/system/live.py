@@ -61,8 +61,6 @@ class LiveRun:
         Where to write the waveforms; they are complete after the context.
     clock_limit : int
         Clocks after which the run fails; 0: none.
-    optimise : str, optional
-        As of :func:`ncdc_sim.runner.build`.
     more : sequence of str
         Further plusargs.
     """
@@ -75,7 +73,6 @@ class LiveRun:
     sink_probability: int = 256
     waves: Waves | None = None
     clock_limit: int = 0
-    optimise: str | None = None
     more: tuple = ()
 
 
@@ -119,8 +116,7 @@ class LiveSystem:
         if not hasattr(memory, "latency") and not hasattr(memory, "banks"):
             raise InputError("LiteDRAM cannot be the memory of a camera's run")
         binary = self._build(verilog, ports, self._camera(ports, sensor, run.camera),
-                             run.simulator, memory_bytes, build_options(run.waves, run.simulator),
-                             run.optimise)
+                             run.simulator, memory_bytes, build_options(run.waves, run.simulator))
         settings = memory_settings(memory, self.width, self.readers) | {
             "memory_bytes": memory_bytes, "seed": run.seed, "clock_limit": run.clock_limit,
             "sink_probability": run.sink_probability, **vars(run.clocks),
@@ -153,7 +149,7 @@ class LiveSystem:
                                          for name in ports)}
         return defines, sensor_sources()
 
-    def _build(self, verilog, ports, camera, simulator, memory_bytes, options, optimise):
+    def _build(self, verilog, ports, camera, simulator, memory_bytes, options):
         camera_defines, camera_sources = camera
         defines = {"NCDC_DATA_WIDTH": self.width, "NCDC_READ_PORTS": self.readers,
                    "NCDC_READ_BURST_WIDTH": ports["read0_burstcount"],
@@ -167,7 +163,7 @@ class LiveSystem:
         sources = [*((name, hdl_text(name)) for name in _BENCH), *camera_sources,
                    ("ncdc_system.v", verilog)]
         return build_bench("system", "system_bench", sources, defines=defines,
-                           simulator=simulator, options=(*_OPTIONS, *options), optimise=optimise)
+                           simulator=simulator, options=(*_OPTIONS, *options))
 
     def __enter__(self):
         return self

@@ -35,9 +35,9 @@ _LOCKED = 1 << 8 + [name for name, _ in EVENTS].index("REFUSED")
 _SENSOR = sensor_named("mt9p031")
 # What the sensor sends, what capture makes of it, clocks, gains of the samples, early start.
 _WAYS = {
-    "window": ((56, 24), Crop(3, 2), Clocks(), (300, 256, 411), False),
-    "grid": ((64, 24), Crop(6, 1, 2), Clocks(extclk_period=7000), (256, 256, 256), True),
-    "binning": ((104, 48), Crop(1, 0, 3, 1), Clocks(extclk_period=23_000), (256, 200, 999), True),
+    "window": ((56, 24), Crop(3, 2), Clocks(extclk_period=5500), (300, 256, 411), False),
+    "grid": ((64, 24), Crop(6, 1, 2), Clocks(extclk_period=3990), (256, 256, 256), True),
+    "binning": ((104, 48), Crop(1, 0, 3, 1), Clocks(extclk_period=3010), (256, 200, 999), True),
 }
 
 
@@ -76,8 +76,7 @@ def golden(raw):
 
 def options(verilog, more, clock_limit):
     """Options of a run, of each bench."""
-    return {"verilog": verilog, "more": more, "clock_limit": clock_limit, "quarter": _QUARTER,
-            "optimise": "-O0"}
+    return {"verilog": verilog, "more": more, "clock_limit": clock_limit, "quarter": _QUARTER}
 
 
 def frames(name):
@@ -118,18 +117,27 @@ def frames(name):
     return run
 
 
-def stop(camera):
-    """Switch the camera off; it is inactive after its last frame, which is right."""
+def halt(camera):
+    """Switch the camera off; it is inactive after its last frame."""
     host, live = camera.host, camera.host.live
     host.camera.stop()
-    live.wait(3 * camera.frame_clocks)
-    assert host.get("CAMERA_STATUS") & 3 == 0
+    for _ in range(40):
+        if host.get("CAMERA_STATUS") & 3 == 0:
+            return
+        live.wait(camera.frame_clocks // 8)
+    raise AssertionError("the camera does not stop")
+
+
+def stop(camera):
+    """Switch the camera off: its last frame is right, and no other begins."""
+    host, live = camera.host, camera.host.live
+    halt(camera)
     begun = host.get("RAW_BEGUN"), host.get("CORRECTED_BEGUN")
     picture = host.claim()
     np.testing.assert_array_equal(host.picture(picture), golden(camera.sent(picture.number)))
-    live.wait(2 * camera.frame_clocks)
+    live.wait(camera.frame_clocks)
     assert (host.get("RAW_BEGUN"), host.get("CORRECTED_BEGUN")) == begun
-    assert host.get("CAMERA_ROWS") in (0, _SIZE[1])
+    assert host.get("CAMERA_STATUS") & 3 == 0
 
 
 def check_outside(host):
@@ -208,7 +216,7 @@ def bus(verilog, more):
             assert "no acknowledge" in str(error)
         else:
             raise AssertionError("a sensor that is not there answers")
-        assert host.camera.i2c_errors == ["NACK"] * 5
+        assert host.camera.i2c_errors == ["NACK"] * 3
         # A command before the last one is over is rejected.
         host.camera.events()
         host.write("I2C_COMMAND", 0x100)
@@ -225,7 +233,7 @@ def registers(verilog, more):
     rng = random.Random(5)
     with running(system(), *scene(_SIZE), **options(verilog, more, 300_000)) as camera:
         host, live = camera.host, camera.host.live
-        stop(camera)
+        halt(camera)
         stored = [one for one in system().table if one.access == "rw"
                   and one.name not in ("CAMERA_ENABLE", "RUN")]
         values = {}
