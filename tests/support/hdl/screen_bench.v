@@ -1,0 +1,88 @@
+// A scan-out, module `scan_out`, between a memory of frames, a store whose newest frame the plusargs
+// choose, and a screen that writes what it is given in each pixel clock.
+//
+// Claim number k gets the buffer of digit k of `choices` (hexadecimal, the first one lowest); f: there
+// is none. In the frame of claim number `starved` the memory takes no more than `commands` reads
+// until the next claim. screen.bin has four bytes for each pixel clock after the reset: blue, green,
+// red, and bit 0 visible, 1 HSYNC, 2 VSYNC. The run ends `pixels` pixel clocks after the reset.
+//
+// Lines: RESULT lines.
+
+`timescale 1ns/1ps
+
+module screen_bench (input wire clk, pixel);
+    localparam BYTES = 65536;
+    reg [127:0] choices;
+    reg [31:0]  starved, commands, pixels;
+    integer     content, screen;
+    initial begin
+        if (!$value$plusargs("choices=%h", choices)) choices = -1;
+        if (!$value$plusargs("starved=%d", starved)) starved = -1;
+        if (!$value$plusargs("commands=%d", commands)) commands = 0;
+        if (!$value$plusargs("pixels=%d", pixels)) pixels = 1000;
+        content = $fopen("content.bin", "rb");
+        memory.load(content, 0, BYTES);
+        screen = $fopen("screen.bin", "wb");
+    end
+
+    reg         rst = 1, pixel_rst = 1, held = 0;
+    reg  [31:0] base = 0, claims = 0, accepted = 0, clocks = 0, pixel_clocks = 0;
+    wire        claim, read, memory_waitrequest, valid;
+    wire [31:0] address, readdata, shown, underruns, memory_errors, bus_errors;
+    wire [3:0]  burstcount;
+    wire [26:0] picture;
+    wire        stalled = claims == starved + 1 && accepted >= commands;
+    wire        waitrequest = memory_waitrequest || stalled;
+    scan_out dut (
+        .clk(clk), .rst(rst), .pixel_clk(pixel), .pixel_rst(pixel_rst), .memory_rst(rst),
+        .screen__claim(claim), .screen__held(held), .screen__base(base),
+        .bus__address(address), .bus__read(read), .bus__burstcount(burstcount),
+        .bus__waitrequest(waitrequest), .bus__readdata(readdata), .bus__readdatavalid(valid),
+        .picture(picture), .shown(shown), .underruns(underruns)
+    );
+    avalon_memory #(.PORTS(1), .DATA_WIDTH(32), .BURST_WIDTH(4), .BYTES(BYTES)) memory (
+        .clk(clk), .rst(rst), .errors(memory_errors), .read_address(address),
+        .read_read(read && !stalled), .read_burstcount(burstcount),
+        .read_waitrequest(memory_waitrequest), .read_readdata(readdata),
+        .read_readdatavalid(valid), .write_address(32'd0), .write_write(1'b0),
+        .write_burstcount(5'd1), .write_writedata(32'd0), .write_byteenable(4'd0),
+        .write_waitrequest()
+    );
+    avalon_checker #(.NAME("bus"), .DATA_WIDTH(32), .BURST_WIDTH(4), .MAX_BURST(8)) bus_checker (
+        .clk(clk), .rst(rst), .host_rst(rst), .memory_rst(rst), .address(address), .read(read),
+        .write(1'b0), .burstcount(burstcount), .writedata(32'd0), .byteenable(4'd0),
+        .waitrequest(waitrequest), .readdatavalid(valid), .errors(bus_errors), .commands(),
+        .beats(), .bytes(), .waits()
+    );
+
+    always @(posedge clk) begin
+        clocks <= clocks + 1;
+        rst <= clocks < 8;
+        // The base is a buffer's in the clock after a claim only.
+        base <= clocks * 32'h9E3779B1;
+        if (read && !waitrequest) accepted <= accepted + 1;
+        if (claim && !rst) begin
+            held <= choices[3:0] != 4'hF;
+            base <= {16'd0, choices[3:0], 12'd0};
+            choices = {4'hF, choices[127:4]};
+            claims <= claims + 1;
+            accepted <= 0;
+        end
+    end
+    always @(posedge pixel) begin
+        pixel_rst <= rst;
+        if (!pixel_rst) begin
+            $fwrite(screen, "%c%c%c%c", picture[7:0], picture[15:8], picture[23:16],
+                    {5'd0, picture[26:24]});
+            pixel_clocks = pixel_clocks + 1;
+            if (pixel_clocks == pixels) begin
+                $display("RESULT claims %0d", claims);
+                $display("RESULT shown %0d", shown);
+                $display("RESULT underruns %0d", underruns);
+                $display("RESULT errors %0d", memory_errors + bus_errors);
+                $fclose(screen);
+                $finish;
+            end
+        end
+    end
+endmodule

@@ -1,0 +1,124 @@
+"""The scan-out of frames in memory, for pixels of three bytes and a small video mode."""
+
+import tempfile
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+
+from ncdc_bench.mutation.designs import Bench, Design
+from ncdc_hdl.video.modes import VideoMode
+from ncdc_hdl.video.scan_out import ScanOut
+from ncdc_sim.runner import build_bench, command_of, hdl_text, run
+from ncdc_sim.tools import SimulationError
+from simulations import HDL
+
+__all__ = ["DESIGN"]
+
+_TOP = "scan_out"
+_MODE = VideoMode((70, 6, 8, 12), (24, 2, 3, 9), True, (1, 2))
+_WIDTH, _HEIGHT = 61, 20            # of a frame: its last word is not full
+_BUFFER, _BYTES = 4096, 65536       # bytes of a frame's buffer, and of the memory
+_LINE, _LINES = sum(_MODE.horizontal), sum(_MODE.vertical)
+_CHOICES = (None, 1, 1, 14, 0, 3, 3, 2)     # buffers with the newest frame, by claim
+
+
+def make():
+    """The scan-out, anew."""
+    return ScanOut(_MODE, _WIDTH, _HEIGHT, pixel_bytes=3, depth=64, max_burst=8)
+
+
+@cache
+def content():
+    """Random bytes of the memory."""
+    return np.random.default_rng(1).integers(1, 256, _BYTES, np.uint8)
+
+
+def frame_of(choice):
+    """Pixels of the frame in a buffer, blue first; black without one."""
+    if choice is None:
+        return np.zeros((_HEIGHT, _WIDTH, 3), np.uint8)
+    size = 3 * _WIDTH * _HEIGHT
+    return content()[choice * _BUFFER:][:size].reshape(_HEIGHT, _WIDTH, 3)
+
+
+def screens_of(verilog, more, **settings):
+    """What the screen shows, as an array (pictures, lines, pixels, 4), and numbers of the bench."""
+    sources = [("scan_out.v", verilog), ("screen_bench.v", (HDL / "screen_bench.v").read_text()),
+               *((name, hdl_text(name)) for name in (
+                   "avalon_memory.v", "dram_timing.v", "avalon_checker.v"))]
+    program = build_bench("screen", "screen_bench", sources, optimise="-O0")
+    pixels = _LINE * _LINES * (len(_CHOICES) + 1) + 1
+    choices = "".join("f" if one is None else f"{one:x}" for one in reversed(_CHOICES))
+    plusargs = {"choices": choices, "pixels": pixels, "wait_probability": 60, "latency_min": 2,
+                "latency_max": 20} | settings
+    results = {}
+
+    def take(line):
+        kind, *values = line.split() or [""]
+        if kind == "RESULT":
+            results[values[0]] = int(values[1])
+        elif kind == "AVALON-ERROR":
+            raise SimulationError(line)
+
+    with tempfile.TemporaryDirectory(prefix="ncdc-") as name:
+        (Path(name) / "content.bin").write_bytes(content().tobytes())
+        run([*command_of(program), *(f"+{key}={value}" for key, value in plusargs.items()), *more],
+            name, take)
+        seen = np.fromfile(Path(name) / "screen.bin", np.uint8)
+    assert seen.size == 4 * pixels and results["errors"] == 0, results
+    # A pixel is at the output a clock after the beam is at it.
+    return seen[4:].reshape(-1, _LINES, _LINE, 4), results
+
+
+def check_beam(screens):
+    """The sync pulses are the mode's, and all around the frame is black; the frame's part."""
+    at, line = np.arange(_LINE), np.arange(_LINES)[:, None]
+    (width, front, pulse, _), (height, below, lines, _) = _MODE.horizontal, _MODE.vertical
+    flags = ((at < width) & (line < height)) + 2 * ((at >= width + front)
+                                                   & (at < width + front + pulse)
+                                                   & (line >= 0))
+    flags += 4 * ((line >= height + below) & (line < height + below + lines) & (at >= 0))
+    assert (screens[..., 3] == flags).all()
+    left, top = (width - _WIDTH) // 2, (height - _HEIGHT) // 2
+    inner = screens[:, top:top + _HEIGHT, left:left + _WIDTH, :3]
+    assert screens[..., :3].sum(dtype=np.int64) == inner.sum(dtype=np.int64)
+    return inner
+
+
+def newest(ratio):
+    """The bench in which each picture is the newest frame; the pixel clock is ``ratio`` of the
+    core's."""
+    def bench(verilog, more):
+        period = 2 * round(5000 / ratio)
+        screens, results = screens_of(verilog, more, pixel_period=period)
+        inner = check_beam(screens)
+        assert not inner[0].any()
+        for picture, choice in zip(inner[1:], _CHOICES):
+            np.testing.assert_array_equal(picture, frame_of(choice))
+        assert results["claims"] == len(_CHOICES) + 1
+        assert results["shown"] == len(_CHOICES) - 1 and results["underruns"] == 0
+    return bench
+
+
+def starved(verilog, more):
+    """A memory that is too slow in one picture: its rest is black, the others are whole."""
+    for claim, commands in ((2, 30), (4, 45)):
+        screens, results = screens_of(verilog, more, starved=claim, commands=commands,
+                                      pixel_period=19_000)
+        words = 8 * commands
+        inner = check_beam(screens)
+        for k, choice in enumerate(_CHOICES):
+            right, picture = frame_of(choice), inner[k + 1]
+            if k != claim:
+                np.testing.assert_array_equal(picture, right)
+                continue
+            different = (picture != right).any(axis=2).ravel()
+            good = int(different.argmax())
+            assert good == 4 * words // 3 and not picture.reshape(-1, 3)[good:].any(), good
+        assert results["underruns"] == 1
+
+
+DESIGN = Design("screen", _TOP, make, (
+    Bench("a quick screen", newest(.93)), Bench("a slow screen", newest(.4)),
+    Bench("words too late", starved)))
