@@ -33,7 +33,7 @@ module sdram_bench(input wire clk);
     localparam BEATS = `NCDC_BEATS;
     localparam QUEUE = 1024;                    // words that a reader waits for
     localparam LOG = 4 * BURST;                 // words written last that a reset may lose
-    localparam LATEST = 200000;                 // clock in which the chip must be ready
+    localparam LATEST = 50000;                  // clock in which the chip must be ready
 
     // Settings.
     reg [63:0] clocks, seed, resets;

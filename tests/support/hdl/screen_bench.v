@@ -2,8 +2,8 @@
 // choose, and a screen that writes what it is given in each pixel clock.
 //
 // Claim number k gets the buffer of digit k of `choices` (hexadecimal, the first one lowest); f: there
-// is none. In the frame of claim number `starved` the memory takes no more than `commands` reads
-// until the next claim. screen.bin has four bytes for each pixel clock after the reset: blue, green,
+// is none. In the frame of claim number `starved` the memory takes no more than `commands` reads for
+// `starves` clocks. screen.bin has four bytes for each pixel clock after the reset: blue, green,
 // red, and bit 0 visible, 1 HSYNC, 2 VSYNC. The run ends `pixels` pixel clocks after the reset.
 //
 // Lines: RESULT lines.
@@ -13,11 +13,12 @@
 module screen_bench (input wire clk, pixel);
     localparam BYTES = 65536;
     reg [127:0] choices;
-    reg [31:0]  starved, commands, pixels;
+    reg [31:0]  starved, starves, commands, pixels;
     integer     content, screen;
     initial begin
         if (!$value$plusargs("choices=%h", choices)) choices = -1;
         if (!$value$plusargs("starved=%d", starved)) starved = -1;
+        if (!$value$plusargs("starves=%d", starves)) starves = 0;
         if (!$value$plusargs("commands=%d", commands)) commands = 0;
         if (!$value$plusargs("pixels=%d", pixels)) pixels = 1000;
         content = $fopen("content.bin", "rb");
@@ -26,12 +27,12 @@ module screen_bench (input wire clk, pixel);
     end
 
     reg         rst = 1, pixel_rst = 1, held = 0;
-    reg  [31:0] base = 0, claims = 0, accepted = 0, clocks = 0, pixel_clocks = 0;
+    reg  [31:0] base = 0, claims = 0, accepted = 0, since = 0, clocks = 0, pixel_clocks = 0;
     wire        claim, read, memory_waitrequest, valid;
     wire [31:0] address, readdata, shown, underruns, memory_errors, bus_errors;
     wire [3:0]  burstcount;
     wire [26:0] picture;
-    wire        stalled = claims == starved + 1 && accepted >= commands;
+    wire        stalled = claims == starved + 1 && accepted >= commands && since < starves;
     wire        waitrequest = memory_waitrequest || stalled;
     scan_out dut (
         .clk(clk), .rst(rst), .pixel_clk(pixel), .pixel_rst(pixel_rst), .memory_rst(rst),
@@ -57,6 +58,7 @@ module screen_bench (input wire clk, pixel);
 
     always @(posedge clk) begin
         clocks <= clocks + 1;
+        since <= since + 1;
         rst <= clocks < 8;
         // The base is a buffer's in the clock after a claim only.
         base <= clocks * 32'h9E3779B1;
@@ -67,6 +69,7 @@ module screen_bench (input wire clk, pixel);
             choices = {4'hF, choices[127:4]};
             claims <= claims + 1;
             accepted <= 0;
+            since <= 0;
         end
     end
     always @(posedge pixel) begin

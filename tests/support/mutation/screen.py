@@ -103,9 +103,11 @@ def newest(ratio):
 
 def starved(verilog, more):
     """A memory that is too slow in one picture: its rest is black, the others are whole."""
+    ratio = 1.9         # clocks of the core for a pixel: the next picture begins after so many
+    starves = int(ratio * _LINE * _LINES) + 100
     for claim, commands in ((2, 30), (4, 45)):
         screens, results = screens_of(verilog, more, starved=claim, commands=commands,
-                                      pixel_period=19_000)
+                                      starves=starves, pixel_period=int(10_000 * ratio))
         words = 8 * commands
         inner = check_beam(screens)
         for k, choice in enumerate(_CHOICES):
