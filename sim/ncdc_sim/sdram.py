@@ -70,7 +70,8 @@ def run_sdram(controller, hosts, *, clocks, clock_hz, simulator="verilator", **s
     -------
     dict
         Numbers: ``violations``, ``wrong`` words, ``checked`` and ``unsure`` ones, ``port_errors``,
-        ``refreshes``, ``refresh_most``, ``beats`` of data, ``resets``. Of each host ``words`` and
+        ``refreshes``, ``refresh_most``, ``beats`` of data, ``resets``; clocks from a reset to
+        ``ready``: ``ready_first``, and ``ready_longest`` of the later ones. Of each host ``words`` and
         ``longest`` (clocks from a command accepted alone to its last word). ``rules``: the set of
         rules violated.
 
@@ -80,7 +81,7 @@ def run_sdram(controller, hosts, *, clocks, clock_hz, simulator="verilator", **s
         If it does not compile, or ends without a result.
     """
     mapping = controller.mapping
-    parameters = chip_parameters(mapping.chip, clock_hz, STORED=_ROW_BITS)
+    parameters = chip_parameters(mapping.chip, clock_hz, STORED=_ROW_BITS, COPIES=1)
     defines = {"NCDC_READS": controller.count, "NCDC_DATA": mapping.data_width,
                "NCDC_BURST": mapping.max_burst, "NCDC_COLUMNS": mapping.column_bits,
                "NCDC_ROWS": mapping.chip.row_bits, "NCDC_BEATS": mapping.beats}

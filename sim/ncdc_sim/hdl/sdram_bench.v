@@ -134,6 +134,8 @@ module sdram_bench(input wire clk);
     reg [INDEX-1:0] burst_index, word_index;
     reg [31:0] beats_due;                       // of writes accepted, as beats_written will be
 
+    reg [31:0] since_reset, ready_first, ready_longest;     // clocks
+    reg        was_ready;
     reg [31:0] wrong, unsure, checked, reset_count, beats_before, rst_left;
     integer    h, k, found;
     reg [31:0] length, number, index32, newest, oldest, got_resets;
@@ -295,6 +297,7 @@ module sdram_bench(input wire clk);
     initial begin
         rst = 1; read_read = 0; write_write = 0; read_address = 0; read_burstcount = 0;
         write_address = 0; write_burstcount = 0; write_writedata = 0; write_byteenable = 0;
+        since_reset = 0; ready_first = 0; ready_longest = 0; was_ready = 0;
         now = 0; ready_at = 0; wrong = 0; unsure = 0; checked = 0; reset_count = 0; left = 0;
         logged = 0; timed = 0; beats_due = 0; beats_before = 0; rst_left = 3;
         for (h = 0; h < HOSTS; h = h + 1) begin
@@ -321,6 +324,12 @@ module sdram_bench(input wire clk);
                 timed[READS] = 0;
             end
         end
+        since_reset = rst ? 0 : since_reset + 1;
+        if (!rst && ready && !was_ready) begin
+            if (ready_first == 0) ready_first = since_reset;
+            else if (since_reset > ready_longest) ready_longest = since_reset;
+        end
+        was_ready = ready && !rst;
         if (ready && ready_at == 0) begin
             ready_at = now;
             beats_before = beats_read + beats_written;
@@ -383,6 +392,8 @@ module sdram_bench(input wire clk);
             $display("RESULT refresh_most %0d", refresh_most);
             $display("RESULT beats %0d", beats_read + beats_written - beats_before);
             $display("RESULT resets %0d", reset_count);
+            $display("RESULT ready_first %0d", ready_first);
+            $display("RESULT ready_longest %0d", ready_longest);
             k = 0;
             for (h = 0; h < HOSTS; h = h + 1) begin
                 k = k + port_errors[32*h +: 32];

@@ -29,6 +29,8 @@
 //   contention   controller and chip drive DQ in the same clock, or with less than TURNAROUND
 //                clocks between the chip and the controller
 //   no-data      DQ is not driven when data are written
+//   row          with COPIES: ACTIVE of a row whose bits above the stored ones are no copies of the
+//                highest of these, other than the row after the last one without that bit
 //   unsupported  a command that this model has not, or CKE is low
 //   unknown      X or Z on a control pin (four states)
 //
@@ -43,6 +45,7 @@ module sdram_chip #(
     parameter ROW = 13,
     parameter COLUMN = 9,
     parameter STORED = ROW,
+    parameter COPIES = 0,
     parameter PERIOD = 10000,
     parameter RCD = 20000,
     parameter RP = 20000,
@@ -237,6 +240,9 @@ module sdram_chip #(
                 3'b011: begin                                                   // ACTIVE
                     if (!moded || !closed_all || refreshes < REFRESHES) violation("init");
                     if (opened[ba]) violation("open");
+                    if (COPIES != 0 && a[ROW-1:STORED-1] != {(ROW-STORED+1){a[STORED-1]}}
+                            && a[ROW-1:0] != 1 << (STORED - 1))
+                        violation("row");
                     if (early(ever_precharged[ba], precharged[ba], t_rp)) violation("tRP");
                     if (early(ever_activated[ba], activated[ba], t_rc)) violation("tRC");
                     for (b = 0; b < 4; b = b + 1)

@@ -21,6 +21,7 @@ __all__ = ["DESIGN"]
 
 _CLOCK_HZ = 133e6
 _PAUSE_US = 2           # of the chip's initialisation: that of the data sheet takes 200
+_STEPS = 2              # clocks of a few steps of the controller
 _OFF = Host(SILENT)
 _MIXED = [Host(ANYWHERE, 60, 1, 8), Host(CORRECTOR, 60, 2, 4), Host(ONWARDS, 150, 16, 16),
           Host(ONWARDS, 150, 1, 16)]
@@ -47,7 +48,15 @@ def outcome(hosts, clocks, verilog, more, **settings):
     assert (result["violations"], result["port_errors"], result["wrong"]) == (0, 0, 0)
     assert result["checked"] >= result["unsure"]
     assert result["refreshes"] * controller().clocks.refresh > clocks
+    pause, more = controller().clocks.pause, initialisation()
+    assert pause < result["ready_first"] < pause + more
     return result
+
+
+def initialisation():
+    """Clocks that the initialisation takes after the chip's pause, at most."""
+    clocks, times = controller().clocks, controller().sequencer.banks.times
+    return times["rp"] + controller().chip.refreshes * clocks.rfc + clocks.mrd + _STEPS
 
 
 def mixed(verilog, more):
@@ -55,6 +64,8 @@ def mixed(verilog, more):
     result = outcome(_MIXED, 30_000, verilog, more)
     assert min(result["words"]) > 100
     assert result["beats"] > .8 * 30_000
+    period = controller().sequencer.period
+    assert result["refreshes"] < 30_000 / period + controller().chip.refreshes + 2
 
 
 def short(verilog, more):
@@ -90,6 +101,12 @@ def resets(verilog, more):
     """Resets in the midst of all: what was written well before is still there."""
     result = outcome(_MIXED, 40_000, verilog, more, resets=1200, seed=3)
     assert result["resets"] > 15
+    # The content must stay: no pause as after power-up.
+    settle = controller().sequencer.init_refresh.settle
+    assert 0 < result["ready_longest"] < settle + initialisation()
+    # At any time, also in a refresh and in the initialisation.
+    result = outcome(_SHORT, 10_000, verilog, more, resets=60, seed=4)
+    assert result["resets"] > 100
 
 
 _RUNS = {"short bursts": short, "mixed hosts": mixed, "one host alone": onwards,
