@@ -83,9 +83,9 @@ def _gateware(args):
     report = _recorded(args)
     table = report["rows"]
     for name in chosen:
-        skipped = {row["module"] for row in table if row["design"] == name} | known[name].left()
+        skipped = {row["module"] for row in table if row["design"] == name}
         for verdicts in judge(known[name], per_module=args.per_module, seed=args.seed,
-                              modules=args.module, skipped=skipped,
+                              modules=args.module or known[name].judged(), skipped=skipped,
                               seconds=args.proof_seconds, progress=Progress(name)):
             table.append({"design": name} | row_of(verdicts))
             report["summary"] = summary(table)

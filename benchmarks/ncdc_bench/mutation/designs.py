@@ -68,12 +68,13 @@ class Design:
     benches: tuple
     leaves: tuple = ()
 
-    def left(self):
-        """Names of the modules that another design judges, as a set."""
-        starts = [f"{self.top}.{name}" for name in self.leaves]
-        modules = distinct_modules(self.make(), self.top) if starts else ()
-        return {one.name for one in modules for start in starts
-                if one.original == start or one.original.startswith(f"{start}.")}
+    def judged(self):
+        """Names of the modules that this design judges; None: all."""
+        if not self.leaves:
+            return None
+        left = [f"{self.top}.{name}" for name in self.leaves]
+        return [one.name for one in distinct_modules(self.make(), self.top)
+                if not f"{one.original}.".startswith(tuple(f"{name}." for name in left))]
 
 
 def designs():
