@@ -71,9 +71,9 @@ def run_sdram(controller, hosts, *, clocks, clock_hz, simulator="verilator", **s
     dict
         Numbers: ``violations``, ``wrong`` words, ``checked`` and ``unsure`` ones, ``port_errors``,
         ``refreshes``, ``refresh_most``, ``beats`` of data, ``resets``; clocks from a reset to
-        ``ready``: ``ready_first``, and ``ready_longest`` of the later ones. Of each host ``words`` and
-        ``longest`` (clocks from a command accepted alone to its last word). ``rules``: the set of
-        rules violated.
+        ``ready``: ``ready_first``, and ``ready_longest`` of the later ones. Of each host
+        ``words`` and ``longest`` (clocks from a command accepted alone to its last word).
+        ``rules``: the set of rules violated.
 
     Raises
     ------

@@ -57,7 +57,8 @@ class RegisterHosts(wiring.Component):
 
     def __init__(self):
         super().__init__({
-            "receive": In(1), "send": Out(1, init=1), "scan": In(Scan()), "tck": In(1), "start": In(1),
+            "receive": In(1), "send": Out(1, init=1), "scan": In(Scan()), "tck": In(1),
+            "start": In(1),
             "which": In(range(len(_PROGRAMS))), "busy": Out(1, init=1), "failures": Out(8),
             "agent": In(Agent(_BITS)), "bus": Out(Agent(_BITS))})
 

@@ -133,7 +133,8 @@ def simulate_packets(verilog, data_width, content, script, *, more=(), **setting
     SimulationError
         If it does not compile, a rule of a bus or of the line is broken, or the run does not end.
     """
-    sources = [("packetiser.v", verilog), ("packets_bench.v", (HDL / "packets_bench.v").read_text()),
+    sources = [("packetiser.v", verilog),
+               ("packets_bench.v", (HDL / "packets_bench.v").read_text()),
                *((name, hdl_text(name)) for name in (
                    "avalon_memory.v", "dram_timing.v", "avalon_checker.v"))]
     program = build_bench("packets", "packets_bench", sources, optimise="-O0", defines={
