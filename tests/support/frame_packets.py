@@ -34,12 +34,15 @@ def packets_of(content, headers, base):
             if (packet := packet_of(content, headers, base, position))]
 
 
-def some_headers(rng, largest):
-    """Headers of any length, a field anywhere in or after them; ``largest``: bytes of a payload."""
+def some_headers(rng, largest, longest=90):
+    """Headers of any length below ``longest`` bytes, a field anywhere in or after them.
+
+    ``largest``: bytes of a payload.
+    """
     def header(minimum):
-        return rng.randbytes(rng.choice((0, minimum, rng.randrange(minimum, 90))))
+        return rng.randbytes(rng.choice((0, minimum, rng.randrange(minimum, longest))))
     payload = 16 * rng.randrange(1, largest // 16 + 1)
     return Headers(header(1), header(0), header(0), header(1),
-                   (rng.randrange(0, 90), rng.randrange(0, 5)),
+                   (rng.randrange(0, longest), rng.randrange(0, 5)),
                    rng.choice((0, 1, 5, 0x123456)), payload, rng.randrange(1, 6),
                    rng.randrange(1, payload + 1))

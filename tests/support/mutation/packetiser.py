@@ -11,6 +11,7 @@ from ncdc_spec.protocols.link_headers import Headers
 from ncdc_spec.registers.link_map import (
     CONTROL_ABORT,
     CONTROL_SEND,
+    HEADER_BYTES,
     LINK,
     LINK_SETTINGS,
     RESEND_BEFORE,
@@ -55,7 +56,8 @@ def any_frames():
     """A script of frames of any headers, and the packets that must come."""
     rng, script, expected = random.Random(2), Script(), []
     for _ in range(14):
-        headers, base = some_headers(rng, _CAPACITY), 16 * rng.randrange(0, 64)
+        headers = some_headers(rng, _CAPACITY, HEADER_BYTES + 1)
+        base = 16 * rng.randrange(0, 64)
         script.prepare(rng, headers, base)
         script.put(CONTROL=CONTROL_SEND)
         script.interrupt()
@@ -152,7 +154,7 @@ def registers(verilog, more):
             script.read(register.address)
             value = word & (1 << register.shape.width) - 1 if register.access == "rw" else 0
             expected.append(value & -(_WIDTH // 8) if register.name == "LINK_BASE" else value)
-    for address in (15, 16, 24, 25, 64 + 3, TEMPLATES + 4):
+    for address in (15, 16, 24, 25, TEMPLATES + 4, *(3 + (1 << k) for k in range(4, 10))):
         script.read(address)
         expected.append(0)
     assert outcome(verilog, more, script).reads == expected
@@ -170,7 +172,8 @@ def rejected(verilog, more):
     script.put(RESEND_FIRST=0, RESEND_LAST=1)
     settled(STATUS_REFUSED)
     for wrong in ({"PAYLOAD": 24}, {"PAYLOAD": 0}, {"PACKETS": 0}, {"LAST": 0}, {"LAST": 129},
-                  {"PAYLOAD": _CAPACITY + 16}):
+                  {"PAYLOAD": _CAPACITY + 16}, *({"PAYLOAD": 1 << k} for k in range(10, 14)),
+                  *({"LAST": 1 << k} for k in range(8, 14))):
         script.prepare(rng, headers, 64, delay=50)
         script.put(**wrong, CONTROL=CONTROL_SEND)
         settled(STATUS_REFUSED)
