@@ -371,8 +371,8 @@ def test_totals_and_picture_of_a_breakdown(tmp_path):
 
 @pytest.mark.parametrize("options,sentence", [
     (["--breakdown", "--target", "ecp5"], "there is one for cyclonev and cycloneiv"),
-    (["--breakdown", "--seeds", "3"], "--seeds is given, --breakdown places nothing"),
-    (["--breakdown", "--plain"], "--plain is given, --breakdown places nothing"),
+    (["--breakdown", "--seeds", "3"], "--seeds is given, --breakdown runs no place and route"),
+    (["--breakdown", "--plain"], "--plain is given, --breakdown runs no place and route"),
     (["--plots", "pictures"], "it needs --breakdown")])
 def test_breakdown_is_of_the_cyclones(capsys, options, sentence):
     assert main(["bench", "synth", "--block", "colour", *options]) == 2

@@ -58,7 +58,7 @@ def run(args):
         raise InputError(f"--plots {args.plots} is given, it needs --breakdown")
     for option in ("seeds", "plain"):
         if args.breakdown and getattr(args, option):
-            raise InputError(f"--{option} is given, --breakdown places nothing")
+            raise InputError(f"--{option} is given, --breakdown runs no place and route")
     check_tools()
     if args.breakdown:
         run_breakdown(chosen, targets, args)
