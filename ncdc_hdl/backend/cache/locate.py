@@ -84,22 +84,9 @@ class Locate(wiring.Component):
                 *(t_pair_y[r].eq((self.i.p.y0[y_bits:] + (rows - 1 - r)) >> row)
                   for r in range(rows - 1)),
             ]
-        m.d.comb += [
-            sets.i.valid.eq(t_valid),
-            position.odd_tile.x.eq(tile_x[0]), position.odd_tile.y.eq(tile_y),
-            position.first.eq(t.group.first), position.last.eq(t.group.last & t.end),
-        ]
-        for lane, pixel in zip(position.lane, lanes_of(t.group)):
-            m.d.comb += [lane.x.eq(pixel.x0), lane.y.eq(pixel.y0), lane.fx.eq(pixel.fx),
-                         lane.fy.eq(pixel.fy), lane.blank.eq(pixel.blank)]
-            m.d.comb += [lane[edge].eq(pixel[edge]) for edge in edges(self.options.interpolation)]
-        if self.lanes > 1:
-            m.d.comb += [position.mask.eq(t.mask), position.end.eq(t.end)]
-        if "word" in position.shape().members:
-            m.d.comb += [position.word.eq(t.x0[_X_BITS - len(position.word):]),
-                         position.row.eq(t.y0)]
-        if "column" in position.shape().members:
-            m.d.comb += position.column.eq(t.x0)
+        m.d.comb += [sets.i.valid.eq(t_valid),
+                     position.odd_tile.x.eq(tile_x[0]), position.odd_tile.y.eq(tile_y)]
+        self._position(m, position, t)
         # The tile after an even one is in the same pair, that after an odd one in the next.
         # Not read back from ``o``: simulators treat a vector as one signal.
         set_x = [Signal(len(mask_x), name=f"set_x{odd}") for odd in range(2)]
@@ -114,6 +101,22 @@ class Locate(wiring.Component):
         position.set.eq(set_x[1] | set_y[-1])]
         self._needs(m, o.need, t.used, (tile_x[0], t_across), (tile_y[:row], t_down))
         return m
+
+    def _position(self, m, position, box):
+        """What of a box is neither its tiles nor their sets."""
+        m.d.comb += [position.first.eq(box.group.first),
+                     position.last.eq(box.group.last & box.end)]
+        for lane, pixel in zip(position.lane, lanes_of(box.group)):
+            m.d.comb += [lane.x.eq(pixel.x0), lane.y.eq(pixel.y0), lane.fx.eq(pixel.fx),
+                         lane.fy.eq(pixel.fy), lane.blank.eq(pixel.blank)]
+            m.d.comb += [lane[edge].eq(pixel[edge]) for edge in edges(self.options.interpolation)]
+        if self.lanes > 1:
+            m.d.comb += [position.mask.eq(box.mask), position.end.eq(box.end)]
+        if "word" in position.shape().members:
+            m.d.comb += [position.word.eq(box.x0[_X_BITS - len(position.word):]),
+                         position.row.eq(box.y0)]
+        if "column" in position.shape().members:
+            m.d.comb += position.column.eq(box.x0)
 
     def _needs(self, m, need, used, columns, rows):
         """Which banks a box needs: ``columns`` and ``rows`` are what its first tile leaves, divided

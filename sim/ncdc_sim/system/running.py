@@ -45,7 +45,7 @@ class Running:
 
 @contextmanager
 def running(system, setup, light, *, corner=(0, 0), clocks=None, verilog=None, registers=None,
-            gains=NO_RAW_GAINS, quarter=None, **run):
+            gains=NO_RAW_GAINS, **run):
     """A :class:`Running` camera, as a context.
 
     The sensor is set up by I2C while the camera is enabled already: its first frame is number 1.
@@ -67,12 +67,11 @@ def running(system, setup, light, *, corner=(0, 0), clocks=None, verilog=None, r
         Written before the camera is enabled.
     gains : tuple of int
         Of the samples at capture, in 256ths.
-    quarter : int, optional
-        Clocks of a quarter of a bit on the I2C bus; if absent those of 400 kHz.
     run :
-        As of :class:`LiveSystem`.
+        As of :class:`LiveSystem`. And ``quarter``, clocks of a quarter of a bit on the I2C bus; if
+        absent those of 400 kHz.
     """
-    sensor = setup.sensor
+    sensor, quarter = setup.sensor, run.pop("quarter", None)
     lane_hz = setup.link.lane_hz if setup.link else 8e8
     clocks = clocks or Clocks(extclk_period=2 * round(5e11 / setup.timing.pixel_clock_hz),
                               lane_period=2 * round(4e12 / lane_hz))
