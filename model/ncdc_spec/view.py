@@ -149,8 +149,11 @@ def scale_of(matrix, size):
         raise InputError(f"the view's matrix is {matrix.tolist()}, 3x3 finite numbers are "
                          f"needed")
     limits = np.array([[q.real(q.hi) for q in row] for row in FORMATS])
-    with np.errstate(over="ignore", invalid="ignore"):
-        depth = np.abs(_depths(matrix, size)).max()
+    # Scaled by a power of two, which changes no bit: else two terms could overflow to infinities of
+    # both signs, in an order that depends on the processor.
+    exponent = np.frexp(np.abs(matrix[2]).max())[1]
+    with np.errstate(over="ignore"):
+        depth = np.ldexp(np.abs(_depths(np.ldexp(matrix, -exponent), size)).max(), exponent)
     if not _DEPTHS[0] <= depth <= _DEPTHS[1]:
         raise InputError(f"the largest depth of the view's matrix is {depth:g}, the limits are "
                          f"{_DEPTHS[0]:g} and {_DEPTHS[1]:g}")
