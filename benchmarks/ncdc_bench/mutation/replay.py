@@ -84,7 +84,7 @@ class _Run:
                               stderr=subprocess.STDOUT) as process:
             try:
                 found = self._lines(process.stdout)
-            except BaseException:
+            except BaseException:       # Ctrl-C too must not leave the simulation running
                 process.kill()
                 raise
             if found is not None:

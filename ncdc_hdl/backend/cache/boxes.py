@@ -34,9 +34,8 @@ class Boxes(wiring.Component):
 
     A box fits if it has at most 16 columns, in two words of the tile memory
     (``Interpolation.box_word``), the rows that it outputs, and as many rows of tiles as can be
-    looked up. A group that does not
-    fit is cut in halves, these likewise, from left to right; the window of one pixel always fits.
-    Blank pixels take no part.
+    looked up. A group that does not fit is cut in halves, these likewise, from left to right; the
+    window of one pixel always fits. Blank pixels take no part.
 
     Only the part in the frame counts, for windows with a margin.
 
@@ -190,7 +189,7 @@ class Boxes(wiring.Component):
         low, limit = 0, needs.box_rows
         if rows * height <= limit:
             low, limit = exact_log2(height), rows
-        # Of two words of all columns, so many lie in two words at any position.
+        # 16 columns lie in two words of 16 at any position, in two words of 8 at some.
         left = exact_log2(word) if word < BOX_COLUMNS else 0
         return ((b.x1[left:] - a.x0[left:] < (2 if left else BOX_COLUMNS))
                 & (b.y1[low:] - a.y0[low:] < limit))
