@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from ncdc_host.device.camera import Frame
+from ncdc_host.device.datagrams import DatagramSender
 from ncdc_host.device.stream import Receiver, Stream
 from ncdc_spec.pixel_formats import BGR8
 from ncdc_spec.protocols import gvsp
@@ -28,7 +29,7 @@ def _received(receiver, packet_size, together=True, loss=0.0):
     frame = Frame(1, 5, BGR8, (90, 70), (0, 0), memoryview(data).cast("B"), None, 0, None)
     stream = Stream(None, "127.0.0.1", loss)
     if not together:
-        stream._segments = False
+        stream._sender._many = None
     stream.send_frame(frame, Receiver(receiver.getsockname(), packet_size, 0, False),
                       threading.Event())
     stream.close()
@@ -47,10 +48,24 @@ def test_a_picture_is_its_packets_in_order(receiver, packet_size):
     assert packets[-1] == gvsp.trailer(1, count + 1, 70)
 
 
-def test_a_system_that_cuts_no_buffer_sends_the_same(receiver):
+def test_a_system_without_a_call_for_many_sends_the_same(receiver):
     together, _ = _received(receiver, 576)
     alone, _ = _received(receiver, 576, together=False)
     assert alone == together
+
+
+@pytest.mark.parametrize("many", [True, False])
+def test_packets_that_the_system_rejects_are_lost(receiver, many):
+    """UDP carries 65,507 bytes at most."""
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as one:
+        sender = DatagramSender(one)
+        if not many:
+            sender._many = None
+        for size, value in ((70_000, 1), (100, 2)):
+            sender.send_all(np.full((3, size), value, np.uint8), receiver.getsockname())
+    assert [receiver.recv(1 << 17) for _ in range(3)] == 3 * [bytes(100 * [2])]
+    with pytest.raises(OSError):
+        sender.send_all(np.zeros((3, 100), np.uint8), receiver.getsockname())
 
 
 def test_packets_get_lost_one_by_one(receiver):

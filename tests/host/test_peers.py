@@ -51,6 +51,8 @@ def test_every_feature_and_frames_of_three_devices(three, scheme):
         three, Case(scheme, 3, 5, every_feature=True, settings=FAST)))
     assert row["features"] == row["features_read_back"] == 3 * len(FEATURES)
     assert (row["frames"], row["incomplete"], row["wrong_pixels"]) == (15, 0, 0)
+    # Aravis' packet socket gets single packets: of 160 per frame, a busy machine loses a few.
+    assert row["resent"] < 20 * row["frames"]
 
 
 @pytest.mark.longer

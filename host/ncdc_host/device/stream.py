@@ -1,14 +1,13 @@
 """Pictures as GVSP packets, to one receiver or a multicast group; lost packets once more."""
 
-import errno
 import random
 import socket
-import struct
 import threading
 import time
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 
+from ncdc_host.device.datagrams import DatagramSender
 from ncdc_spec.protocols import gvsp
 from ncdc_spec.protocols.gvcp import PACKET_UNAVAILABLE
 
@@ -19,8 +18,6 @@ _LINE_NS_PER_BYTE = 8           # of Gigabit Ethernet, whose pace the packets ke
 _LINE_OVERHEAD = 38             # bytes of a packet on the line without IP: header, FCS, gap
 _TRIGGER_SECONDS = 0.05         # from look to look whether a stream that waits has ended
 _BATCH = 16                     # packets between two looks at the clock
-_UDP_SEGMENT = 103              # Linux: control message with the size that a buffer is cut into
-_DATAGRAM = 65507               # bytes of such a buffer, at most
 
 
 @dataclass(frozen=True)
@@ -82,7 +79,7 @@ class Stream:
         self._socket.bind((address, 0))
         self.port = self._socket.getsockname()[1]
         self.sent = self.lost = self.resent = 0
-        self._segments = True           # until the system has rejected it
+        self._sender = DatagramSender(self._socket)
         self._blocks = {}               # number: (frame, payload bytes, packets)
         self._block = 0
         self._receiver = None
@@ -125,7 +122,7 @@ class Stream:
     def fire_test(self, receiver):
         """Send one packet of the full size, by which the receiver tests the path."""
         self._set_fragment(receiver.fragment)
-        self._put([bytes(receiver.packet_size - 28)], receiver.address)
+        self._sender.send([bytes(receiver.packet_size - 28)], receiver.address)
 
     def resend(self, block, first, last):
         """Send packets ``first`` to ``last`` of a block again, as far as they are still there."""
@@ -135,8 +132,8 @@ class Stream:
         if receiver is None:
             return
         if cached is None:
-            self._put([gvsp.header(block, gvsp.PAYLOAD, first, PACKET_UNAVAILABLE)],
-                      receiver.address)
+            self._sender.send([gvsp.header(block, gvsp.PAYLOAD, first, PACKET_UNAVAILABLE)],
+                              receiver.address)
             return
         frame, payload, packets = cached
         count = 0
@@ -182,7 +179,6 @@ class Stream:
                    (receiver.packet_size + _LINE_OVERHEAD) * _LINE_NS_PER_BYTE)
         # Packets get lost one by one, and only equal ones can be sent together.
         full = None if self._loss else gvsp.full_packets(self._block, frame.data, payload)
-        batch = min(_BATCH, _DATAGRAM // receiver.packet_size)
         begin, packet = time.monotonic_ns(), 0
         while packet < packets + 2:
             early = begin + packet * pace - time.monotonic_ns()
@@ -190,30 +186,16 @@ class Stream:
                 time.sleep(early / 1e9)
             if stop.is_set():
                 return
-            count = 0 if full is None or not packet else len(full[packet - 1:packet - 1 + batch])
+            count = 0 if full is None or not packet else len(full[packet - 1:packet - 1 + _BATCH])
             if count > 1:
-                self._send_together(full[packet - 1:packet - 1 + count], receiver)
+                self.sent += count
+                self._sender.send_all(full[packet - 1:packet - 1 + count], receiver.address)
             else:
-                count = min(batch if full is None else 1, packets + 2 - packet)
+                count = min(_BATCH if full is None else 1, packets + 2 - packet)
                 for number in range(packet, packet + count):
                     self._send(self._packet(self._block, frame, payload, packets, number),
                                receiver, self._loss)
             packet += count
-
-    def _send_together(self, packets, receiver):
-        """Send equal ``packets`` (n, bytes), by one call where the system can cut a buffer."""
-        self.sent += len(packets)
-        if self._segments:
-            size = struct.pack("=H", packets.shape[1])
-            try:
-                self._socket.sendmsg([packets], [(socket.IPPROTO_UDP, _UDP_SEGMENT, size)], 0,
-                                     receiver.address)
-                return
-            except OSError as error:
-                # Without a receiver the call fails now and then; an older system always rejects it.
-                self._segments = error.errno == errno.ECONNREFUSED
-        for packet in packets:
-            self._put([packet], receiver.address)
 
     def _packet(self, block, frame, payload, packets, packet):
         """The parts of packet number ``packet`` of a block."""
@@ -233,17 +215,7 @@ class Stream:
             if lost:
                 self.lost += 1
                 return
-        self._put(parts, receiver.address)
-
-    def _put(self, parts, address):
-        try:
-            self._socket.sendmsg(parts, [], 0, address)
-        except OSError as error:
-            # Too large for the line, or no receiver: lost, as on a wire.
-            if error.errno not in (errno.EMSGSIZE, errno.ECONNREFUSED, errno.ENETUNREACH,
-                                   errno.EHOSTUNREACH, errno.ENOBUFS, errno.EINVAL, errno.EACCES,
-                                   errno.EPERM):
-                raise
+        self._sender.send(parts, receiver.address)
 
     def _set_fragment(self, fragment):
         # IP_MTU_DISCOVER: IP_PMTUDISC_DONT (0) lets packets be cut, IP_PMTUDISC_DO (2) does not.
