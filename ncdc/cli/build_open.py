@@ -16,7 +16,7 @@ from ncdc.toolchain.bitstream import (
 )
 from ncdc.toolchain.flows import SynthesisError
 from ncdc_boards.board import project_name
-from ncdc_boards.ecp5.build import clock_cells
+from ncdc_boards.ecp5.build import clock_cells, clock_targets
 from ncdc_spec.errors import InputError
 
 __all__ = ["implemented", "print_implemented"]
@@ -59,7 +59,7 @@ def implemented(design, files, sources, steps, *, seeds, synthesize_only=False):
             steps("synthesis: Yosys")
             netlist = synthesise_board(rtlil, name, folder, sources)
             nets = clock_nets(netlist, clock_cells(design))
-            preferences += clock_preferences(nets, design.clocks.targets())
+            preferences += clock_preferences(nets, clock_targets(design))
             files[f"{name}.lpf"] = preferences
             if synthesize_only:
                 return {f"{name}.json": json.dumps(netlist), **files}, {
@@ -80,7 +80,7 @@ def implemented(design, files, sources, steps, *, seeds, synthesize_only=False):
 
 def _targets(design):
     """The clocks before place and route."""
-    return [{"name": name, "target_mhz": mhz} for name, mhz in design.clocks.targets().items()]
+    return [{"name": name, "target_mhz": mhz} for name, mhz in clock_targets(design).items()]
 
 
 def _check_clocks(best, seeds):

@@ -20,7 +20,6 @@ CSI_WIRES = {"clock": (("30", "27"),), "lanes": (("28", "26"), ("13", "18")),
 """Pins of P2 for a camera with CSI-2, of pairs P and N. P2 has four pairs of the device's right
 side: these, and 23 with 12. Of them 30 with 27 alone reaches the edge clocks."""
 
-_PIXEL_CLOCK_HZ = 96e6          # the fastest of the sensors
 _DIRECTIONS = {"scl": "io", "sda": "io", "xclk": "o", "reset_n": "o"}
 _LVCMOS = Attrs(IO_TYPE="LVCMOS33")
 _FAST = Attrs(IO_TYPE="LVCMOS33", SLEWRATE="FAST")
@@ -33,8 +32,8 @@ def _camera():
         way = _DIRECTIONS.get(name, "i")
         pull = "UP" if name in ("scl", "sda") else "DOWN" if way == "i" else "NONE"
         parts.append(Subsignal(
-            name, Pins(" ".join(map(str, numbers)), dir=way, conn=("p", 2)), Attrs(PULLMODE=pull),
-            *([Clock(_PIXEL_CLOCK_HZ)] if name == "pixclk" else [])))
+            name, Pins(" ".join(map(str, numbers)), dir=way, conn=("p", 2)),
+            Attrs(PULLMODE=pull)))
     return Resource("camera", 0, *parts, Attrs(IO_TYPE="LVCMOS33", DRIVE="4", SLEWRATE="SLOW"))
 
 

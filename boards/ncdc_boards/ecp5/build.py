@@ -2,7 +2,7 @@
 
 from ncdc_boards.board import project_name
 
-__all__ = ["clock_cells", "prepared"]
+__all__ = ["clock_cells", "clock_targets", "prepared"]
 
 _ENDS = {"il": "il", "debug.v": "v", "lpf": "lpf"}
 
@@ -16,6 +16,14 @@ def prepared(design):
     texts = {f"{name}.{end}": plan.files[f"{name}.{kind}"] for kind, end in _ENDS.items()}
     return {file: text.decode() if isinstance(text, bytes) else text
             for file, text in texts.items()}
+
+
+def clock_targets(design):
+    """MHz of each clock that place and route has to reach, by its name: those of the board, and the
+    camera's pixel clock with the design's setup."""
+    setup, _ = design.sensor
+    camera = {"sensor": setup.timing.pixel_clock_hz / 1e6}
+    return design.clocks.targets() | ({} if design.pattern or design.link else camera)
 
 
 def clock_cells(design):

@@ -1,6 +1,6 @@
 """Pins of the ULX3S: those of amaranth-boards, and a camera on the header J1, of either kind."""
 
-from amaranth.build import Attrs, Clock, Pins, Resource, Subsignal
+from amaranth.build import Attrs, Pins, Resource, Subsignal
 from amaranth_boards.ulx3s import ULX3S_85F_Platform
 
 from ncdc_boards.ecp5.csi2_camera import csi_camera
@@ -19,7 +19,6 @@ CSI_WIRES = {"clock": (("12+", "12-"),), "lanes": (("11+", "11-"), ("13+", "13-"
 side of the device with differential inputs and gearing. They share bank 7, and GP12 alone reaches
 its edge clocks."""
 
-_PIXEL_CLOCK_HZ = 96e6          # the fastest of the sensors
 _DIRECTIONS = {"scl": "io", "sda": "io", "xclk": "o", "reset_n": "o", "standby": "o"}
 
 
@@ -30,8 +29,7 @@ def _camera():
     attrs = {name: Attrs(PULLMODE="UP") if name in ("scl", "sda") else
              Attrs(PULLMODE="DOWN" if _DIRECTIONS.get(name, "i") == "i" else "NONE")
              for name in plain}
-    clocks = {"pixclk": [Clock(_PIXEL_CLOCK_HZ)]}
-    return Resource("camera", 0, *(Subsignal(name, pins, attrs[name], *clocks.get(name, []))
+    return Resource("camera", 0, *(Subsignal(name, pins, attrs[name])
                                    for name, pins in plain.items()),
                     Attrs(IO_TYPE="LVCMOS33", DRIVE="4", SLEWRATE="SLOW"))
 
