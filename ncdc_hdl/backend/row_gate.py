@@ -86,21 +86,25 @@ class RowGate(wiring.Component):
         c_valid = Signal()
         c = Signal.like(self.i.payload)
         early = Signal(len(lanes_of(c)))
+        next_early = Signal.like(early)
+        waits = Signal()        # one of them was too early
         leaves = Signal()       # the group in C leaves
         moves = ~c_valid | leaves
-        passes = ~early.any() | self.abort
         # Synthesis does not merge a flag with its complement: `ready` is `moves`, but does not
         # begin where all bits of a group are moved.
+        passes = Signal(init=1)         # complement of `waits`
         c_empty = Signal(init=1)        # complement of `c_valid`
         o_empty = Signal(init=1)        # complement of `o.valid`
-        m.d.comb += [leaves.eq(c_valid & passes & (~self.o.valid | self.o.ready)),
-                     self.i.ready.eq(c_empty | (passes & (o_empty | self.o.ready)))]
+        m.d.sync += [early.eq(next_early), waits.eq(next_early.any()), passes.eq(~next_early.any())]
+        m.d.comb += [
+            leaves.eq(c_valid & (~waits | self.abort) & (~self.o.valid | self.o.ready)),
+            self.i.ready.eq(c_empty | ((passes | self.abort) & (o_empty | self.o.ready)))]
         with m.If(moves):
             m.d.sync += [c_valid.eq(self.i.valid), c_empty.eq(~self.i.valid),
                          c.eq(self.i.payload)]
         for k, (i, waiting) in enumerate(zip(lanes_of(self.i.p), lanes_of(c))):
-            m.d.sync += early[k].eq(Mux(self.i.ready, ~i.blank & (i.y0 >= limit),
-                                        early[k] & (waiting.y0 >= limit)))
+            m.d.comb += next_early[k].eq(Mux(self.i.ready, ~i.blank & (i.y0 >= limit),
+                                             early[k] & (waiting.y0 >= limit)))
         with m.If(~self.o.valid | self.o.ready):
             m.d.sync += [self.o.valid.eq(leaves), o_empty.eq(~leaves), self.o.payload.eq(c)]
             for k, o in enumerate(lanes_of(self.o.p)):

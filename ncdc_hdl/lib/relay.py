@@ -27,6 +27,8 @@ class Relay(wiring.Component):
 
     latency = 1
     """Clocks from an item at ``i`` to the item at ``o``."""
+    capacity = 2
+    """Items in it, at most."""
 
     def __init__(self, shape):
         self.shape = shape

@@ -82,8 +82,9 @@ def test_groups_become_boxes(needs, lanes, gap, stall):
     run_bench(dut, source, sink)
     assert len(got) == len(expected)
     for out, (k, mask, box, end) in zip(got, expected):
-        assert ((out.group if lanes == 1 else out.group.lane[0]).fy, out.mask, out.end) == (
-            k, mask, end)
+        assert (out.mask, out.end) == (mask, end)
+        assert (out.group.first, out.group.last) == (k == 0, k == count - 1)
+        assert lanes > 1 or out.group.fy == k
         assert out.used == (box is not None)
         if box:
             assert (out.x0, out.y0, out.x1, out.y1) == box

@@ -22,11 +22,13 @@ _EDGES = "x0", "y0", "x1", "y1"     # of a box
 def box_layout(f_bits, lanes, interpolation=FAST):
     """A box: samples (x0, y0) to (x1, y1), both included, of the lanes in ``mask`` of ``group``.
 
-    ``used`` is high unless all of these lanes are blank; ``end`` marks the group's last box.
+    ``used`` is high unless all of these lanes are blank; ``end`` marks the group's last box. Of a
+    group of several lanes it is only known whether it is the ``first`` or ``last`` of the frame.
     """
+    flags = data.StructLayout({"first": 1, "last": 1})
     return data.StructLayout({
         **dict.fromkeys(_EDGES, range(MAX_SIZE)), "used": 1, "mask": lanes, "end": 1,
-        "group": request_layout(f_bits, lanes, interpolation)})
+        "group": request_layout(f_bits, lanes, interpolation) if lanes == 1 else flags})
 
 
 class Boxes(wiring.Component):
@@ -85,7 +87,7 @@ class Boxes(wiring.Component):
         return m
 
     def _single(self, m, ready, moves):
-        """The group at hand, whether there is one, and the box of each of its lanes."""
+        """What is kept of the group at hand, whether there is one, and each lane's box."""
         needs = self.interpolation
         layout = data.StructLayout(dict.fromkeys(_EDGES, range(MAX_SIZE)) | {"used": 1})
         boxes = [Signal(layout) for _ in range(self.lanes)]
@@ -98,16 +100,18 @@ class Boxes(wiring.Component):
                     low = low + Mux(edge.after, 0, edge.missing)
                     high = high - Mux(edge.after, edge.missing, 0)
                 m.d.comb += [box[f"{axis}0"].eq(low), box[f"{axis}1"].eq(high)]
+        arrives = Signal(self.o.p.group.shape())        # what is kept of the group
+        m.d.comb += arrives.eq(self.i.p if self.lanes == 1 else Cat(self.i.p.first, self.i.p.last))
         if not needs.margin:
             m.d.comb += self.i.ready.eq(ready)
-            return self.i.p, self.i.valid, boxes
-        group = Signal.like(self.i.p, name="clipped_group")
+            return arrives, self.i.valid, boxes
+        group = Signal.like(arrives, name="clipped_group")
         valid = Signal(name="clipped_valid")
         clipped = [Signal(layout, name=f"clipped_box{k}") for k in range(self.lanes)]
         # Several lanes: with the stages after it. A single one: as soon as it is empty, too.
         m.d.comb += self.i.ready.eq(ready if self.lanes > 1 else ~valid | ready)
         with m.If(moves):
-            m.d.sync += [valid.eq(self.i.valid), group.eq(self.i.p)]
+            m.d.sync += [valid.eq(self.i.valid), group.eq(arrives)]
             m.d.sync += [new.eq(old) for new, old in zip(clipped, boxes)]
         return group, valid, clipped
 

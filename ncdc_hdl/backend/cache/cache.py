@@ -7,7 +7,7 @@ from amaranth.lib.wiring import In, Out
 from ncdc_hdl.avalon.bus import ADDRESS_BITS, ReadHost
 from ncdc_hdl.backend.cache.boxes import Boxes
 from ncdc_hdl.backend.cache.fills import Fills
-from ncdc_hdl.backend.cache.layouts import set_bits, stalls_layout, word_bytes
+from ncdc_hdl.backend.cache.layouts import lanes_set_to, set_bits, stalls_layout, word_bytes
 from ncdc_hdl.backend.cache.locate import Locate
 from ncdc_hdl.backend.cache.retire import Retire
 from ncdc_hdl.backend.cache.tags import Tags
@@ -92,7 +92,9 @@ class Cache(wiring.Component):
         self.raw_balance = raw_balance
         self.fills = Fills(options, data_width, width, raw_balance)
         self.tiles = Tiles(options, width, lut_tiles)
-        self.retire = Retire(f_bits, options, width, lanes)
+        # Each box belongs to one group: so many groups at most are on their way to the queue.
+        before = self.boxes.latency + self.locate.capacity + self.tags.latency
+        self.retire = Retire(f_bits, options, width, lanes, before)
         super().__init__({
             "base": In(ADDRESS_BITS), "limit": In(ADDRESS_BITS), "pitch": In(SIZE),
             "height": In(SIZE), "memory_rst": In(1), "outside": Out(1), "empty": Out(1),
@@ -145,6 +147,10 @@ class Cache(wiring.Component):
             self.fetched.eq(tags.claim), self.waiting.eq(retire.waiting),
             self.stalls.eq(tags.stalls),
         ]
+        if self.lanes > 1:
+            group = self.boxes.i
+            m.d.comb += [retire.enters.eq(group.valid & group.ready),
+                         *lanes_set_to(retire.group, group.p)]
         if self.options.interpolation.margin:
             m.d.comb += retire.phase.eq(self.phase)
         return m

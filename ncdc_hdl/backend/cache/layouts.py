@@ -6,12 +6,14 @@ from amaranth.lib import data
 from amaranth.utils import ceil_log2
 
 from ncdc_hdl.backend.layouts import edges
+from ncdc_hdl.lib.groups import lanes_of
 from ncdc_spec.cache_options import TILE_WIDTH
 from ncdc_spec.geometry import MAX_SIZE
 
-__all__ = ["PAIR_X_BITS", "TILE_X_BITS", "bank_tile", "lookup_layout", "pair_y_bits", "row_bits",
-           "set_bits", "slot_bits", "stalls_layout", "tile_layout", "tile_y_bits", "tiles_layout",
-           "tiles_of", "window_position_layout", "word_bytes"]
+__all__ = ["PAIR_X_BITS", "TILE_X_BITS", "bank_tile", "lanes_layout", "lanes_set_to",
+           "lookup_layout", "pair_y_bits", "row_bits", "set_bits", "slot_bits", "stalls_layout",
+           "tile_layout", "tile_y_bits", "tiles_layout", "tiles_of", "window_position_layout",
+           "word_bytes"]
 
 TILE_X_BITS = ceil_log2(MAX_SIZE // TILE_WIDTH)
 # Tiles come in pairs, an even one and the odd one after it; a bank holds one of each pair. Rows of
@@ -52,14 +54,31 @@ def word_bytes(data_width, lanes, interpolation):
     return 8 if data_width == 128 else 4
 
 
+def lanes_layout(f_bits, options, lanes):
+    """What the windows of a group need once their samples are read.
+
+    A lane has the low bits ``x``, ``y`` of the sample of its first point, the pixel's position
+    ``fx``, ``fy`` relative to it, ``blank``, and :func:`edges`.
+    """
+    needs = options.interpolation
+    return data.ArrayLayout(data.StructLayout(
+        {"x": ceil_log2(TILE_WIDTH), "y": ceil_log2(needs.box_rows),
+         "fx": f_bits, "fy": f_bits, "blank": 1, **edges(needs)}), lanes)
+
+
+def lanes_set_to(lanes, group):
+    """Statements that set ``lanes``, of :func:`lanes_layout`, to those of a requested ``group``."""
+    return [lane[name].eq(pixel[{"x": "x0", "y": "y0"}.get(name, name)])
+            for lane, pixel in zip(lanes, lanes_of(group)) for name in dict(lane.shape())]
+
+
 def window_position_layout(f_bits, options, lanes):
     """State of a pending look-up until its samples are read.
 
     ``set`` is that of its first tile, whose column modulo 2 and row modulo R are ``odd_tile``.
-    ``next_set`` is that of the next tiles of the same bank to the right and below. A lane has
-    the low bits ``x``, ``y`` of the sample of its first point, the pixel's position ``fx``,
-    ``fy`` relative to it, ``blank``, and :func:`edges`. A group of several lanes may
-    take several look-ups: ``mask`` marks the lanes of this one, ``end`` the
+    ``next_set`` is that of the next tiles of the same bank to the right and below. ``lane`` is
+    :func:`lanes_layout` of a single one. A group of several lanes may take several look-ups, and
+    waits elsewhere: ``mask`` marks the lanes of this one, ``end`` the
     group's last one. The box begins at ``word`` and ``row`` of the first tile. A single window
     without a margin begins at its ``x`` and ``y``. With whole rows of tiles as words, which are
     narrowed to the box, it begins at ``column`` of the word.
@@ -69,9 +88,7 @@ def window_position_layout(f_bits, options, lanes):
     fields = {
         "set": set_bits(options), "next_set": set_bits(options),
         "odd_tile": data.StructLayout({"x": 1, "y": row_bits(options)}),
-        "lane": data.ArrayLayout(data.StructLayout(
-            {"x": ceil_log2(TILE_WIDTH), "y": ceil_log2(needs.box_rows),
-             "fx": f_bits, "fy": f_bits, "blank": 1, **edges(needs)}), lanes),
+        **({"lane": lanes_layout(f_bits, options, 1)} if lanes == 1 else {}),
         "first": 1, "last": 1}
     if lanes > 1:
         fields |= {"mask": lanes, "end": 1}

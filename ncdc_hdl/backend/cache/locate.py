@@ -8,13 +8,12 @@ from amaranth.utils import ceil_log2
 from ncdc_hdl.backend.cache.boxes import box_layout
 from ncdc_hdl.backend.cache.layouts import (
     PAIR_X_BITS,
+    lanes_set_to,
     lookup_layout,
     pair_y_bits,
     row_bits,
     set_bits,
 )
-from ncdc_hdl.backend.layouts import edges
-from ncdc_hdl.lib.groups import lanes_of
 from ncdc_hdl.lib.relay import Relay
 from ncdc_spec.cache_options import TILE_WIDTH
 
@@ -42,6 +41,8 @@ class Locate(wiring.Component):
     """
 
     latency = 1 + Relay.latency
+    capacity = 1 + Relay.capacity
+    """Boxes in it, at most."""
 
     def __init__(self, f_bits, options, lanes=1):
         self.options, self.lanes = options, lanes
@@ -106,11 +107,9 @@ class Locate(wiring.Component):
         """What of a box is neither its tiles nor their sets."""
         m.d.comb += [position.first.eq(box.group.first),
                      position.last.eq(box.group.last & box.end)]
-        for lane, pixel in zip(position.lane, lanes_of(box.group)):
-            m.d.comb += [lane.x.eq(pixel.x0), lane.y.eq(pixel.y0), lane.fx.eq(pixel.fx),
-                         lane.fy.eq(pixel.fy), lane.blank.eq(pixel.blank)]
-            m.d.comb += [lane[edge].eq(pixel[edge]) for edge in edges(self.options.interpolation)]
-        if self.lanes > 1:
+        if self.lanes == 1:
+            m.d.comb += lanes_set_to(position.lane, box.group)
+        else:
             m.d.comb += [position.mask.eq(box.mask), position.end.eq(box.end)]
         if "word" in position.shape().members:
             m.d.comb += [position.word.eq(box.x0[_X_BITS - len(position.word):]),

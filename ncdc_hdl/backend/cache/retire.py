@@ -1,12 +1,12 @@
 """From look-ups whose tiles have arrived to windows."""
 
 from amaranth import *
-from amaranth.lib import wiring
+from amaranth.lib import data, wiring
 from amaranth.lib.wiring import In, Out
 from amaranth.utils import ceil_log2
 
 from ncdc_hdl.backend.cache.align import align_for
-from ncdc_hdl.backend.cache.layouts import window_position_layout
+from ncdc_hdl.backend.cache.layouts import lanes_layout, window_position_layout
 from ncdc_hdl.backend.cache.narrow import Narrow
 from ncdc_hdl.backend.cache.tiles import Tiles, box_layout, samples_layout
 from ncdc_hdl.backend.layouts import edges, window_layout
@@ -26,6 +26,9 @@ class Retire(wiring.Component):
     look-up leaves the queue when as many tiles have arrived, beyond those of the look-ups before
     it, as it claimed itself. Tiles claimed by earlier look-ups have arrived before.
 
+    A group of several lanes waits in a queue of its own, from before its boxes are made until the
+    last of them is the oldest look-up. So no stage between holds its lanes.
+
     Timing: ``latency`` clocks from the queue's end to ``o``, one look-up per clock. A look-up
     leaves the queue only if its window has space; the stages after it run free.
 
@@ -35,9 +38,14 @@ class Retire(wiring.Component):
         As in :class:`ncdc_hdl.backend.cache.cache.Cache`.
     word_bytes : int
         Bytes of a word of the tile memory.
+    before : int
+        Groups, at most, that have entered and whose last look-up is not pushed yet.
 
     Members
     -------
+    enters, group : ``In(1)``, ``In(lanes_layout(f_bits, options, lanes))``
+        A group has entered, and its lanes, no later than its first ``push`` (only with several
+        lanes).
     push, position, missing : ``In``
         From the tag stage: a look-up is passed on, its position, and the tiles claimed for it.
     filled : ``In(1)``
@@ -58,10 +66,14 @@ class Retire(wiring.Component):
     filled_to_retire = 1 + 1
     """Clocks from ``filled`` to ``retire`` of the look-up that waits for it: the balance, B."""
 
-    def __init__(self, f_bits, options, word_bytes, lanes=1):
+    def __init__(self, f_bits, options, word_bytes, lanes=1, before=0):
         self.f_bits, self.options = f_bits, options
-        self.word_bytes, self.lanes = word_bytes, lanes
+        self.word_bytes, self.lanes, self.before = word_bytes, lanes, before
         self.position_shape = window_position_layout(f_bits, options, lanes)
+        # Of the oldest look-up, and of those in the stages.
+        self.lanes_shape = lanes_layout(f_bits, options, lanes)
+        self.window_shape = data.StructLayout(
+            self.position_shape.members | {"lane": self.lanes_shape})
         # Whole rows of tiles: of their columns only those of the box are aligned.
         self.narrow = Narrow(options.interpolation) if word_bytes == TILE_WIDTH else None
         self.aligns = [align_for(min(word_bytes, BOX_COLUMNS // 2), options.interpolation)
@@ -77,7 +89,8 @@ class Retire(wiring.Component):
             "box": Out(box_layout(options, word_bytes)),
             "samples": In(samples_layout(word_bytes, options.interpolation)),
             "o": Out(Credited(window_layout(f_bits, lanes, options.interpolation))),
-        } | ({"phase": In(2)} if options.interpolation.margin else {}))
+        } | ({"enters": In(1), "group": In(self.lanes_shape)} if lanes > 1 else {})
+            | ({"phase": In(2)} if options.interpolation.margin else {}))
 
     @property
     def retire_to_window(self):
@@ -99,7 +112,7 @@ class Retire(wiring.Component):
         space = Signal(init=1)          # there is space for the oldest look-up's window
         enough = Signal()               # all tiles of the oldest look-up have arrived
         oldest_valid = Signal()         # there is an oldest look-up
-        oldest = Signal(self.position_shape, reset_less=True)
+        oldest = Signal(self.window_shape, reset_less=True)
         pop = Signal()                  # the oldest look-up goes on to the stages
         load = Signal()                 # the look-up at the queue's end becomes the oldest
         m.d.comb += [
@@ -112,10 +125,15 @@ class Retire(wiring.Component):
         m.d.sync += space.eq(self.o.space)
         following_valid, following, following_owed = self._queue(m, load)
         with m.If(load):
-            m.d.sync += [oldest_valid.eq(following_valid), oldest.eq(following)]
+            m.d.sync += oldest_valid.eq(following_valid)
+            m.d.sync += [oldest[name].eq(following[name]) for name in self.position_shape.members]
+        if self.lanes > 1:
+            lanes = self._groups(m, load & following_valid & following.end)
+            with m.If(load):
+                m.d.sync += oldest.lane.eq(lanes)
         self._count(m, load & following_valid, following_owed, enough)
         stages = self._stages(m, pop, oldest)
-        (b_valid, _), *_, (w_valid, w) = stages
+        (b_valid, _), *_ = stages
         word, row = self._corner(following)
         m.d.comb += [
             self.retire.eq(b_valid), self.load.eq(load),
@@ -131,7 +149,7 @@ class Retire(wiring.Component):
                          narrow.samples.eq(samples)]
             samples = narrow.o
         _, ahead = stages[1 + self._narrowing]
-        self._windows(m, samples, ahead, w_valid, w)
+        self._windows(m, samples, ahead, *stages[-2:])
         return m
 
     def _queue(self, m, load):
@@ -152,6 +170,20 @@ class Retire(wiring.Component):
             Cat(following, following_owed).eq(queue.r_data),
         ]
         return queue.r_rdy, following, following_owed
+
+    def _groups(self, m, leaves):
+        """Queue the lanes of groups; return those of the one whose look-ups are at their end.
+
+        ``leaves``: its last look-up becomes the oldest.
+        """
+        m.submodules.groups = groups = Fifo(width=self.lanes_shape.size, checked=False,
+                                            depth=self.options.pending + self.before)
+        m.d.comb += [
+            groups.w_en.eq(register(m, "entered", self.enters, reset_less=False)),
+            groups.w_data.eq(register(m, "entered_group", Value.cast(self.group))),
+            groups.r_en.eq(leaves),
+        ]
+        return data.View(self.lanes_shape, groups.r_data)
 
     def _count(self, m, comes, owed, enough):
         """Count tiles that arrive, less those that the look-ups up to the oldest one claimed.
@@ -185,17 +217,20 @@ class Retire(wiring.Component):
             stages.append(before)
         return stages
 
-    def _windows(self, m, samples, ahead, w_valid, w):
+    def _windows(self, m, samples, ahead, before, end):
         """Cut the windows out of the ``samples``.
 
-        The position ``ahead`` is in the stage before theirs; ``w`` is in the last stage.
+        The position ``ahead`` is in the stage before theirs; ``before`` and ``end``, each (valid,
+        position), are the last two stages.
         """
-        several, o = self.lanes > 1, self.o.payload
+        several, o, (w_valid, w) = self.lanes > 1, self.o.payload, end
         # A group that took several look-ups is gathered in the output: it leaves with the last.
         m.d.sync += [self.o.valid.eq(w_valid & (w.end if several else 1)),
                      o.first.eq(w.first), o.last.eq(w.last)]
         for k, out in enumerate(lanes_of(o)):
-            take = w_valid & w.mask[k] if several else Const(1)
+            # Known a clock early: each one moves a few hundred flip-flops.
+            take = register(m, f"take{k}", before[0] & before[1].mask[k],
+                            reset_less=False) if several else Const(1)
             m.submodules[f"align{k}"] = align = self.aligns[k]
             m.d.comb += [
                 align.take.eq(take), align.samples.eq(samples),
