@@ -7,6 +7,7 @@ __all__ = ["Transcript"]
 
 # Lines that begin so are for a progress bar, or the simulator's own.
 _NO_RESULT = "PROGRESS ", "- "
+_MOST_LINES = 200       # that a report holds
 
 
 @dataclass(frozen=True)
@@ -31,7 +32,12 @@ class Transcript:
 
     @property
     def report(self):
-        """What the run measured: its lines of results, and a hash of each file."""
-        return {"lines": [line for line in self.lines if not line.startswith(_NO_RESULT)],
+        """What the run measured: its lines of results, many of them as their number and a hash, and
+        a hash of each file."""
+        lines = [line for line in self.lines if not line.startswith(_NO_RESULT)]
+        if len(lines) > _MOST_LINES:
+            lines = [f"{len(lines)} lines",
+                     hashlib.sha256("\n".join(lines).encode()).hexdigest()]
+        return {"lines": lines,
                 "written": {name: hashlib.sha256(content).hexdigest()
                             for name, content in sorted(self.written.items())}}

@@ -10,6 +10,7 @@ from functools import cache
 import pytest
 
 from mutation.core import DESIGN as CORE
+from mutation.nodes import DESIGN as NODES
 from ncdc_bench.mutation.record import RECORD, RENEW, reports_of
 from ncdc_hdl.export.verilog import module_verilog
 
@@ -21,11 +22,13 @@ def verilog_of(design):
 
 
 @pytest.mark.longer
-@pytest.mark.parametrize("bench", CORE.benches, ids=lambda bench: bench.name)
-def test_bench_of_core(bench):
+@pytest.mark.parametrize("design,bench", [(design, bench) for design in (CORE, NODES)
+                                          for bench in design.benches],
+                         ids=lambda value: value.name)
+def test_played_bench(design, bench):
     """Right results, and exactly those of the record: pixels, clocks, counters."""
-    recorded = json.loads(RECORD.read_text())[CORE.name].get(bench.name, [])
-    found = reports_of(bench, verilog_of(CORE))
+    recorded = json.loads(RECORD.read_text())[design.name].get(bench.name, [])
+    found = reports_of(bench, verilog_of(design))
     assert found == recorded, (
         f"clocks or counters of the bench {bench.name!r} differ from the record; if the gateware "
         f"was to change them, run {RENEW}, and look at git diff")

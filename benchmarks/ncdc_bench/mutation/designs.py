@@ -11,7 +11,7 @@ from ncdc_spec.errors import InputError
 __all__ = ["Bench", "Design", "PlayedBench", "designs"]
 
 # Each design and its benches lie with the tests, which run the same benches without a mutant.
-_MODULES = ("core", "system", "sdram", "csi2", "packetiser", "bridges", "screen")
+_MODULES = ("core", "nodes", "system", "sdram", "csi2", "packetiser", "bridges", "screen")
 
 
 @dataclass(frozen=True)

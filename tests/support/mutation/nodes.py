@@ -1,0 +1,130 @@
+"""The network at nodes of the corrector, alone: each node's values are seen with all their bits."""
+
+from dataclasses import replace
+from functools import partial
+
+import numpy as np
+
+from banks import bank_words
+from front_end import extreme
+from mutation.core import FOCAL, cameras, corrector, largest
+from ncdc_bench.mutation.designs import Design, PlayedBench
+from ncdc_hdl.frontend.node_network import NodeNetwork
+from ncdc_model.golden.network import network
+from ncdc_model.golden.view import node_values
+from ncdc_spec.nodes import AFTER, BEFORE
+from ncdc_spec.view import NODE, PLANE
+from simulations.player import Player
+from views import nonsense_view, random_view
+
+__all__ = ["DESIGN"]
+
+_S = 8              # distance of the nodes
+
+
+def make():
+    """The network at nodes, anew."""
+    d = largest()
+    return NodeNetwork(d.hidden_neurons, d.formats.at_nodes(), d.nodes, d.variant,
+                       corrector().hardware)
+
+
+def _any(rng, number):
+    """A descriptor of random weights, or of weights at their limits; a view; the strips' width."""
+    descriptor = cameras()[number % 2][0]
+    d, f = descriptor, descriptor.formats
+    if number % 4 == 3:
+        descriptor = extreme(d, number)
+    elif number % 4:
+        # Nets of all magnitudes: the tan-sigmoid's whole curve, and what is beyond it.
+        def some(q, raw, scale):
+            return np.clip((rng.normal(0, scale, raw.shape) * (1 << q.f_bits)).astype(int),
+                           q.lo, q.hi)
+        descriptor = replace(
+            d, hidden_weights=some(f.hidden_weight, d.hidden_weights, 2),
+            hidden_biases=some(f.hidden_bias, d.hidden_biases, 2),
+            output_weights=some(f.output_weight, d.output_weights, 400),
+            output_biases=some(f.output_bias, d.output_biases, 1000))
+    size = tuple(int(side) for side in rng.integers((33, 8), (160, 16)))
+    strip = int(rng.choice([0, 0, 32, 64, 96]))
+    if number % 3 == 2:
+        return descriptor, nonsense_view(rng, size), strip
+    return descriptor, random_view(rng, d.geometry, FOCAL, size, pan=50, roll=180,
+                                   zoom=(.3, 4)), strip
+
+
+def _expected(descriptor, view, strip):
+    """(x, y, column, row, whole, fits) of each node, in the scan's order."""
+    width, height = view.size
+    found = []
+    for left in range(0, width, strip or width):
+        wide = min(strip or width, width - left)
+        numbers = np.arange(-BEFORE, -(-wide // _S) + AFTER)
+        columns, lines = np.meshgrid(left + numbers * _S, np.arange(height))
+        *positions, x, y, fits = node_values(descriptor, view, columns, lines,
+                                             partial(network, descriptor))
+        column, row = (p >> PLANE.f_bits - NODE.f_bits for p in positions)
+        whole = np.broadcast_to(numbers >= 3 - BEFORE, columns.shape)
+        found.append(np.stack([x, y, column, row, whole, fits], axis=-1).reshape(-1, 6))
+    return np.concatenate(found)
+
+
+def _play(verilog, transcripts, seed, count, stop=None, **plusargs):
+    """Frames of any networks and views, one after the other; the items and the expected ones."""
+    rng, player, expected = np.random.default_rng(seed), Player(make()), []
+    bank = 0
+    for number in range(count):
+        descriptor, view, strip = _any(rng, number)
+        nodes = _expected(descriptor, view, strip)
+        if stop and not nodes[:, 5].all():      # where one ends could not be told
+            continue
+        for position, word in bank_words(descriptor.hidden_weights, descriptor.hidden_biases,
+                                         descriptor.output_weights):
+            player.put(writes__write=1, writes__position=position, writes__word=word,
+                       writes__bank=1 - bank)
+        bank = 1 - bank
+        origin_x, step_x, origin_y, step_y = descriptor.geometry.scan()
+        (width, height), rows = view.size, descriptor.geometry.corrected_height
+        player.put(
+            8, writes__write=0, writes__active=bank,
+            scan={"width": width, "height": height, "strip": strip, "origin_x": origin_x,
+                  "step_x": step_x, "origin_y": origin_y, "step_y": step_y},
+            view={"matrix": np.reshape(view.matrix, (3, 3)).tolist(), "plane_height": rows},
+            network={"output": [{"bias": int(one)} for one in descriptor.output_biases]})
+        player.put(start=1, stop=0)
+        if stop:
+            player.put(int(rng.integers(*stop)), start=0)
+            player.put(200, True, stop=1)
+        else:
+            player.put(200, True, start=0)
+        expected.append(nodes)
+    items = player.play(verilog, transcripts, **plusargs)
+    found = np.array([[one.x, one.y, one.column, one.row, one.whole, one.fits] for one in items])
+    # The values of a node that does not fit have no meaning.
+    for nodes in (found, *expected):
+        nodes[nodes[:, 5] == 0, :4] = 0
+    return found, expected
+
+
+def frames(stall):
+    """The bench of whole frames, with a consumer that stalls in so many of 256 clocks."""
+    def bench(verilog, transcripts):
+        found, expected = _play(verilog, transcripts, 1, 24, stall=stall, clock_limit=600_000)
+        np.testing.assert_array_equal(found, np.concatenate(expected))
+    return bench
+
+
+def stopped(verilog, transcripts):
+    """Frames of which no node is issued any more from some clock on."""
+    found, expected = _play(verilog, transcripts, 2, 160, stop=(1, 400), stall=100,
+                            clock_limit=100_000)
+    at = 0
+    for frame in expected:
+        same = (found[at:at + len(frame)] == frame[:len(found) - at]).all(axis=1)
+        at += len(same) if same.all() else int(np.argmin(same))
+    assert at == len(found) > 200
+
+
+DESIGN = Design("nodes", "dut", make, (
+    PlayedBench("frames", frames(0)), PlayedBench("frames, stalls", frames(200)),
+    PlayedBench("stopped", stopped)))
