@@ -7,7 +7,7 @@ __all__ = ["Transcript"]
 
 # Lines that begin so are for a progress bar, or the simulator's own.
 _NO_RESULT = "PROGRESS ", "- "
-_MOST_LINES = 200       # that a report holds
+_MOST_LINES = 1000      # that a report holds
 
 
 @dataclass(frozen=True)
