@@ -45,12 +45,31 @@ def _any(rng, number):
             hidden_biases=some(f.hidden_bias, d.hidden_biases, 2),
             output_weights=some(f.output_weight, d.output_weights, 400),
             output_biases=some(f.output_bias, d.output_biases, 1000))
-    size = tuple(int(side) for side in rng.integers((33, 8), (160, 16)))
+    size = tuple(int(side) for side in rng.integers((33, 8), (160, 20)))
     strip = int(rng.choice([0, 0, 32, 64, 96]))
+    if number % 11 == 7:
+        size, strip = (int(rng.integers(1500, 4097)), 8), int(rng.choice([0, 1024]))
     if number % 3 == 2:
         return descriptor, nonsense_view(rng, size), strip
     return descriptor, random_view(rng, d.geometry, FOCAL, size, pan=50, roll=180,
                                    zoom=(.3, 4)), strip
+
+
+def _strays(rng):
+    """(position, word, whether it is written) of words that no memory takes."""
+    for _ in range(24):
+        position = {"role": int(rng.integers(4)), "neuron": int(rng.integers(64)),
+                    "output": int(rng.integers(2))}
+        there = (position["neuron"] < len(cameras()[0][0].hidden_weights)
+                 and position["role"] < 3 - position["output"])
+        yield position, int(rng.integers(1 << 32)), int(not there)
+    for neuron, role, output in np.ndindex(2, 3, 2):
+        yield ({"role": role, "neuron": neuron, "output": output}, int(rng.integers(1 << 32)), 0)
+    for neuron, role in np.ndindex(8, 4):
+        if neuron > 1 or role == 3:
+            yield {"role": role, "neuron": neuron, "output": 0}, int(rng.integers(1 << 32)), 1
+        if neuron > 1 or role > 1:
+            yield {"role": role, "neuron": neuron, "output": 1}, int(rng.integers(1 << 32)), 1
 
 
 def _expected(descriptor, view, strip):
@@ -82,6 +101,8 @@ def _play(verilog, transcripts, seed, count, stop=None, **plusargs):
                                          descriptor.output_weights):
             player.put(writes__write=1, writes__position=position, writes__word=word,
                        writes__bank=1 - bank)
+        for position, word, write in _strays(rng):
+            player.put(writes__write=write, writes__position=position, writes__word=word)
         bank = 1 - bank
         origin_x, step_x, origin_y, step_y = descriptor.geometry.scan()
         (width, height), rows = view.size, descriptor.geometry.corrected_height
