@@ -7,7 +7,7 @@ __all__ = ["Transcript"]
 
 # Lines that begin so are for a progress bar, or the simulator's own.
 _NO_RESULT = "PROGRESS ", "- "
-_MOST_LINES = 1000      # that a report holds
+_MAX_LINES = 1000      # that a report holds
 
 
 @dataclass(frozen=True)
@@ -35,7 +35,7 @@ class Transcript:
         """What the run measured: its lines of results, many of them as their number and a hash, and
         a hash of each file."""
         lines = [line for line in self.lines if not line.startswith(_NO_RESULT)]
-        if len(lines) > _MOST_LINES:
+        if len(lines) > _MAX_LINES:
             lines = [f"{len(lines)} lines",
                      hashlib.sha256("\n".join(lines).encode()).hexdigest()]
         return {"lines": lines,

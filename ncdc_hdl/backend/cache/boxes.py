@@ -87,7 +87,7 @@ class Boxes(wiring.Component):
         return m
 
     def _single(self, m, ready, moves):
-        """What is kept of the group at hand, whether there is one, and each lane's box."""
+        """Of the group at hand what goes on with its boxes, whether there is one, each lane's box."""
         needs = self.interpolation
         layout = data.StructLayout(dict.fromkeys(_EDGES, range(MAX_SIZE)) | {"used": 1})
         boxes = [Signal(layout) for _ in range(self.lanes)]
@@ -100,7 +100,7 @@ class Boxes(wiring.Component):
                     low = low + Mux(edge.after, 0, edge.missing)
                     high = high - Mux(edge.after, edge.missing, 0)
                 m.d.comb += [box[f"{axis}0"].eq(low), box[f"{axis}1"].eq(high)]
-        arrives = Signal(self.o.p.group.shape())        # what is kept of the group
+        arrives = Signal(self.o.p.group.shape())        # of the group, what goes on with its box
         m.d.comb += arrives.eq(self.i.p if self.lanes == 1 else Cat(self.i.p.first, self.i.p.last))
         if not needs.margin:
             m.d.comb += self.i.ready.eq(ready)
