@@ -87,7 +87,7 @@ class Boxes(wiring.Component):
         return m
 
     def _single(self, m, ready, moves):
-        """Of the group at hand what goes on with its boxes, whether there is one, each lane's box."""
+        """What of the group goes on, whether there is one, and the box of each of its lanes."""
         needs = self.interpolation
         layout = data.StructLayout(dict.fromkeys(_EDGES, range(MAX_SIZE)) | {"used": 1})
         boxes = [Signal(layout) for _ in range(self.lanes)]

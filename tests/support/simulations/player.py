@@ -74,7 +74,8 @@ class Player:
             ("CONNECTIONS", ", ".join(connections))))
         program = build_bench("player", "player_bench", [("dut.v", verilog),
                                                          ("player_bench.v", header + bench)])
-        files, lines, items = {"inputs.txt": "\n".join([*self._lines, "0 0 0", ""]).encode()}, [], []
+        files = {"inputs.txt": "\n".join([*self._lines, "0 0 0", ""]).encode()}
+        lines, items = [], []
 
         def hear(line):
             lines.append(line)
