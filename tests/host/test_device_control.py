@@ -97,7 +97,8 @@ def test_no_heartbeat_locks_the_device_for_long(one):
 
 def test_pictures_go_to_the_controller_s_machine_or_a_group(one, monkeypatch):
     user, sent = Asker(one), []
-    monkeypatch.setattr(one.stream, "_put", lambda parts, address: sent.append(address))
+    monkeypatch.setattr(one.stream._sender, "send",
+                        lambda parts, address: sent.append(address))
     user.control()
     size, port, address = (gvcp.register(f"Stream{name}").address
                            for name in ("PacketSize", "Port", "Address"))
