@@ -97,8 +97,8 @@ def test_no_heartbeat_locks_the_device_for_long(one):
 
 def test_pictures_go_to_the_controller_s_machine_or_a_group(one, monkeypatch):
     user, sent = Asker(one), []
-    monkeypatch.setattr(one.stream._sender, "send",
-                        lambda parts, address: sent.append(address))
+    for name in ("send", "send_all"):
+        monkeypatch.setattr(one.stream._sender, name, lambda parts, address: sent.append(address))
     user.control()
     size, port, address = (gvcp.register(f"Stream{name}").address
                            for name in ("PacketSize", "Port", "Address"))
@@ -269,7 +269,7 @@ def hostile_user(one, count, controls):
     """
     user, before = Asker(one), everything(one)
     # A stream that is begun at random goes to an address at random: not one packet may leave.
-    one.stream._put = lambda parts, address: None
+    one.stream._sender.send = one.stream._sender.send_all = lambda *_: None
     digest = one.camera.corrections[0].descriptor.digest
     words = [one.registers.read(address) for address in range(256)]
     for k, data in enumerate(datagrams(count)):
