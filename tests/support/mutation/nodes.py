@@ -95,7 +95,7 @@ def _play(verilog, transcripts, seed, count, stop=None, **plusargs):
     for number in range(count):
         descriptor, view, strip = _any(rng, number)
         nodes = _expected(descriptor, view, strip)
-        if stop and not nodes[:, 5].all():      # where one ends could not be told
+        if stop and not nodes[:, 5].all():      # where one ends could not be seen
             continue
         for position, word in bank_words(descriptor.hidden_weights, descriptor.hidden_biases,
                                          descriptor.output_weights):
