@@ -1,14 +1,26 @@
 """Driving components in the Amaranth simulator: free-running pipelines and streams."""
 
 from collections import deque
+from contextlib import contextmanager
 
 from amaranth.sim import Simulator
 
-__all__ = ["get", "put", "receive", "run_bench", "run_pipeline", "run_stream", "send"]
+__all__ = ["get", "put", "receive", "run_bench", "run_pipeline", "run_stream", "send", "watched"]
 
 
 _PERIOD = 1e-8          # seconds of a clock
 _CLOCKS = 5_000_000     # no bench needs more
+_WATCHERS = []          # further test benches of every simulation
+
+
+@contextmanager
+def watched(bench):
+    """In this context every :func:`run_bench` has the test bench ``bench`` in the background."""
+    _WATCHERS.append(bench)
+    try:
+        yield
+    finally:
+        _WATCHERS.remove(bench)
 
 
 def run_bench(dut, *benches, background=(), clocks=_CLOCKS):
@@ -31,7 +43,7 @@ def run_bench(dut, *benches, background=(), clocks=_CLOCKS):
     simulator.add_clock(_PERIOD)
     for bench in benches:
         simulator.add_testbench(bench)
-    for bench in (*background, limit):
+    for bench in (*background, *_WATCHERS, limit):
         simulator.add_testbench(bench, background=True)
     simulator.run()
 

@@ -1,6 +1,7 @@
 """What is mutated, and which tests run on it."""
 
 import importlib
+import re
 import sys
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -11,7 +12,8 @@ from ncdc_spec.errors import InputError
 __all__ = ["Bench", "Design", "PlayedBench", "designs"]
 
 # Each design and its benches lie with the tests, which run the same benches without a mutant.
-_MODULES = ("core", "nodes", "system", "sdram", "csi2", "packetiser", "bridges", "screen")
+_MODULES = ("core", "cache", "nodes", "units", "system", "sdram", "csi2", "packetiser", "bridges",
+            "screen")
 
 
 @dataclass(frozen=True)
@@ -61,20 +63,27 @@ class Design:
         In the order in which they run until one fails.
     leaves : tuple of str
         Instances of the top module that another design judges, with all in them.
+    bare : bool
+        Whether the top module only connects its instances, and is not judged.
     """
     name: str
     top: str
     make: Callable
     benches: tuple
     leaves: tuple = ()
+    bare: bool = False
 
     def judged(self):
         """Names of the modules that this design judges; None: all."""
-        if not self.leaves:
+        if not self.leaves and not self.bare:
             return None
-        left = [f"{self.top}.{name}" for name in self.leaves]
         return [one.name for one in distinct_modules(self.make(), self.top)
-                if not f"{one.original}.".startswith(tuple(f"{name}." for name in left))]
+                if not self._leaves(re.sub(r"\$\d+", "", one.original))]
+
+    def _leaves(self, path):
+        """Whether another design judges the instance ``path``, or none does."""
+        left = tuple(f"{self.top}.{name}." for name in self.leaves)
+        return f"{path}.".startswith(left) or self.bare and path == self.top
 
 
 def designs():

@@ -11,8 +11,8 @@
 // announced only if there is space, and come in their clock.
 // Arguments: name=value, see main. Prints RESULT name value.
 //
-// Compiled in: NCDC_LANES, NCDC_DATA_WIDTH, NCDC_TILES, what an interpolation needs, and for each
-// field of a request (I_) and a window (O_) its first bit in lane 0, with the bits of a lane: see
+// Compiled in: NCDC_LANES, NCDC_DATA_WIDTH, NCDC_TILES, what an interpolation needs, the bits of a
+// gain if raw samples have gains, and for each field of a request (I_) and a window (O_) its first bit in lane 0, with the bits of a lane: see
 // cache_stress.py.
 
 #include <algorithm>
@@ -71,6 +71,12 @@ template <class Port> std::uint32_t bits(const Port& port, int at, int width) {
     return static_cast<std::uint32_t>(value & ((std::uint64_t{1} << width) - 1));
 }
 
+// Mixes a value into a hash.
+void mix(std::uint64_t& hash, std::uint64_t value) {
+    hash = (hash ^ value) * 0x9E3779B97F4A7C15;
+    hash ^= hash >> 29;
+}
+
 template <class Port> void put(Port& port, int at, int width, std::uint32_t value) {
     for (int k = 0; k < width; k++) {
         const bool one = value >> k & 1;
@@ -91,6 +97,8 @@ struct Group { Pixel lane[kLanes]; bool first, last; std::uint32_t number; };
 struct Frame {
     std::uint32_t base, limit, pitch, split, phase, width, height, area_x, area_y, area_w, area_h;
     int pattern, blank, gap, stall, wait, latency, pause;
+    std::uint32_t gains[3];     // of red, green and blue samples, in 256ths
+    bool grey;                  // all samples have the gain of green
     std::uint64_t groups, reset_after;
 };
 
@@ -103,7 +111,10 @@ struct Frame {
 
 class Bench {
 public:
-    Bench(std::uint64_t seed, int resets) : random{seed * 0x9E3779B97F4A7C15 + 1}, resets(resets) {
+    Bench(std::uint64_t seed, int resets, int frame_bits, int argc, char** argv)
+        : random{seed * 0x9E3779B97F4A7C15 + 1}, resets(resets), frame_bits(frame_bits) {
+        context->commandArgs(argc, argv);
+        dut = std::make_unique<Vcache>(context.get());
         held.assign(kBanks * kSets, -1);
         dut->clk = 0, dut->rst = 1, dut->memory_rst = 0;
         dut->PORT(i, valid) = 0, dut->PORT(o, space) = 0;
@@ -118,6 +129,10 @@ public:
         dut->limit = f.limit, dut->height = f.height;
 #if NCDC_MARGIN
         dut->phase = f.phase;
+#endif
+#if NCDC_GAIN_BITS
+        for (int k = 0; k < 3; k++) put(dut->balance, NCDC_GAIN_BITS * k, NCDC_GAIN_BITS, f.gains[k]);
+        put(dut->balance, 3 * NCDC_GAIN_BITS, 3, f.phase | f.grey << 2);
 #endif
         held.assign(kBanks * kSets, -1);
         sent = done = 0;
@@ -134,6 +149,7 @@ public:
     }
 
     std::uint64_t windows = 0, wrong = 0, clocks = 0, tiles = 0, frames = 0, reset_count = 0;
+    std::uint64_t outputs = 0;      // a hash of those of all clocks
 
 private:
     void choose_area() {
@@ -166,7 +182,9 @@ private:
         f.wait = random.bernoulli(128) ? 0 : random.below(220);
         f.latency = random.bernoulli(64) ? 1 : random.between(1, 100);
         f.pause = random.bernoulli(128) ? 0 : random.below(40);
-        f.groups = std::min<std::uint64_t>(limit, random.between(1, 1 << random.between(3, 12)));
+        f.groups = std::min<std::uint64_t>(limit, random.between(1, 1 << random.between(3, frame_bits)));
+        for (std::uint32_t& gain : f.gains) gain = random.below(NCDC_GAIN_BITS ? 1 << NCDC_GAIN_BITS : 1);
+        f.grey = random.bernoulli(32);
         f.reset_after = random.bernoulli(resets)
                             ? random.between(1, static_cast<int>(f.groups)) : 0;
     }
@@ -211,6 +229,18 @@ private:
     static std::uint32_t inside(int position, int size) {
         if (position < 0) return -position;
         return kMargin && position >= size ? 2 * (size - 1) - position : position;
+    }
+
+    // The sample of the frame as a window must have it.
+    std::uint32_t balanced(std::uint32_t row, std::uint32_t column) const {
+        const std::uint32_t raw = sample(f.base + row * f.pitch + column);
+#if NCDC_GAIN_BITS
+        const bool red_column = !((column ^ f.phase) & 1), red_row = !((row ^ f.phase >> 1) & 1);
+        const int colour = f.grey || red_column != red_row ? 1 : red_row ? 0 : 2;
+        return std::min(255u, raw * f.gains[colour] + 128 >> 8);
+#else
+        return raw;
+#endif
     }
 
     // Steps of row, or column, k of a window from its core.
@@ -307,6 +337,7 @@ private:
             left_over = -1;
             due.clear();
         }
+        listen();
         if (dut->outside && !dut->rst) fail("a row of the frame taken for one outside", clocks);
         if (!dut->rst) take();
         if (clocks - moved > 100000) fail("hang", clocks);
@@ -316,6 +347,14 @@ private:
         dut->clk = 0;
         dut->eval();
         clocks++;
+    }
+
+    // All outputs that mean something in this clock.
+    void listen() {
+        mix(outputs, dut->PORT(i, ready) | dut->PORT(o, issue) << 1 | dut->PORT(o, valid) << 2
+            | dut->outside << 3 | dut->empty << 4 | dut->fetched << 5 | dut->waiting << 6
+            | dut->PORT(bus0, read) << 7 | dut->stalls << 8);
+        if (dut->PORT(bus0, read)) mix(outputs, dut->PORT(bus0, address));
     }
 
     void accept() {
@@ -376,8 +415,7 @@ private:
                     const int across = static_cast<int>(p.x) + (flipped ? kAfter - i : i - kMargin);
                     const std::uint32_t row = inside(below, f.height);
                     const std::uint32_t column = inside(across, f.width);
-                    right &= bits(window, O_SAMPLES + at + 8 * n++, 8)
-                             == sample(f.base + row * f.pitch + column);
+                    right &= bits(window, O_SAMPLES + at + 8 * n++, 8) == balanced(row, column);
                 }
             }
         }
@@ -415,9 +453,9 @@ private:
     struct Word { std::uint32_t address; std::uint64_t ready; };
 
     const std::unique_ptr<VerilatedContext> context = std::make_unique<VerilatedContext>();
-    const std::unique_ptr<Vcache> dut = std::make_unique<Vcache>(context.get());
+    std::unique_ptr<Vcache> dut;
     Random random;
-    int resets;
+    int resets, frame_bits;
     Frame f{};
     Group current{};
     bool offered = false, command_held = false;
@@ -434,19 +472,21 @@ private:
 };
 
 int main(int argc, char** argv) {
-    std::uint64_t seed = 1, groups = 100000, resets = 0;
+    std::uint64_t seed = 1, groups = 100000, resets = 0, frame_bits = 12;
     for (int k = 1; k < argc; k++) {
         const std::string text = argv[k];
         const std::uint64_t value = std::strtoull(text.c_str() + text.find('=') + 1, nullptr, 10);
         if (text.rfind("+seed=", 0) == 0) seed = value;
         if (text.rfind("+groups=", 0) == 0) groups = value;
         if (text.rfind("+resets=", 0) == 0) resets = value;      // frames of 256 that are cut short
+        if (text.rfind("+frame_bits=", 0) == 0) frame_bits = value;  // log2 of a frame's most groups
     }
-    Bench bench(seed, static_cast<int>(resets));
+    Bench bench(seed, static_cast<int>(resets), static_cast<int>(frame_bits), argc, argv);
     while (bench.windows < groups * kLanes) bench.frame(groups - bench.windows / kLanes);
     const std::pair<const char*, std::uint64_t> results[] = {
-        {"windows", bench.windows}, {"wrong", bench.wrong}, {"clocks", bench.clocks},
-        {"tiles", bench.tiles}, {"frames", bench.frames}, {"resets", bench.reset_count}};
+        {"windows", bench.windows}, {"wrong", bench.wrong}, {"total_clocks", bench.clocks},
+        {"tiles", bench.tiles}, {"frames", bench.frames}, {"resets", bench.reset_count},
+        {"outputs", bench.outputs}};
     for (const auto& [name, value] : results)
         std::printf("RESULT %s %llu\n", name, static_cast<unsigned long long>(value));
     return 0;

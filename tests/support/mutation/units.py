@@ -1,0 +1,80 @@
+"""Parts of the corrector alone, each with the stimulus of its own test.
+
+The lowest bits of products, or the highest ones of sizes, hardly reach a pixel of a small frame.
+"""
+
+from functools import cache
+
+from mutation.core import largest
+from mutation.core import make as make_corrector
+from ncdc_bench.mutation.designs import Design, PlayedBench
+from ncdc_hdl.frontend.strips import Strips
+from simulations.traces import Units, replay, trace
+from units.checks import check_checks
+from units.neurons import check_hidden_neuron, check_output_neuron
+from units.products import check_product
+from units.row_gates import check_row_gate
+from units.strips import check_strips
+from units.windows import check_window_address
+
+__all__ = ["DESIGN"]
+
+_SIZES = (40, 24), (8, 8), (4096, 2730), (1365, 4096), (2049, 2047)
+_HEIGHTS = 30, 8, 4096, 2731, 1365, 2048, 513
+_ORDERS = (8, 8, 0), (40, 9, 32), (65, 9, 64), (33, 20, 32), (100, 8, 96)
+
+
+def _hidden(dut):
+    check_hidden_neuron(dut, largest().network_formats)
+
+
+def _output(dut):
+    check_output_neuron(dut, largest().network_formats)
+
+
+def _windows(dut):
+    check_window_address(dut, _SIZES, ((0, 0), (.3, .7), (0, .5), (.5, 0), (.2, .2)), 400)
+
+
+def _gates(dut):
+    check_row_gate(dut, _HEIGHTS)
+
+
+def _strips(dut):
+    check_strips(dut, _ORDERS, (0, .3, 0, .5, .1))
+
+
+def units():
+    """Each part, as the corrector has it, with its check, by name."""
+    corrector = make_corrector()
+    nodes = corrector.backmap.network_at_nodes
+    divider = nodes.transform.reciprocal
+    hidden, output = nodes.hidden.units[0], nodes.output.outputs[0]
+    product = make_corrector().backmap.network_at_nodes.hidden.units[0].products[0]
+    # Products alone first: of equal modules the first instance is changed.
+    return {"slope": (divider.slope, check_product), "curve": (divider.curve, check_product),
+            "divide": (nodes.transform.divide, check_product),
+            "normalise": (nodes.transform.normalise, check_product),
+            "product": (product, check_product),
+            "hidden_neuron": (hidden, _hidden), "output_neuron": (output, _output),
+            "window": (corrector.window, _windows), "row_gate": (corrector.row_gate, _gates),
+            "checks": (corrector.checks, check_checks), "strips": (Strips(1), _strips)}
+
+
+def make():
+    """All parts next to each other."""
+    return Units({name: part for name, (part, _) in units().items()})
+
+
+@cache
+def traces():
+    """What each check gives its part, and what comes out."""
+    return {name: trace(part, check) for name, (part, check) in units().items()}
+
+
+def parts(verilog, transcripts):
+    """All parts with the inputs of their checks."""
+    replay({name: part for name, (part, _) in units().items()}, traces(), verilog, transcripts)
+
+
+DESIGN = Design("units", "units", make, (PlayedBench("parts", parts),), bare=True)

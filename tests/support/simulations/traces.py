@@ -1,0 +1,153 @@
+"""Components in Amaranth's simulator, recorded clock by clock, and their Verilog with the same
+inputs: one bench for many of them."""
+
+import tempfile
+from functools import cached_property
+from pathlib import Path
+
+from amaranth import *
+from amaranth.lib import wiring
+from amaranth.lib.wiring import In, Out
+
+from ncdc_sim.runner import build_bench, command_of, run
+from ncdc_sim.tools import SimulationError
+from ncdc_sim.transcript import Transcript
+from pipelines import watched
+from simulations import HDL
+
+__all__ = ["Units", "replay", "trace"]
+
+
+class Units(wiring.Component):
+    """Components next to each other, all their ports outside as ``<name>__<port>``.
+
+    Parameters
+    ----------
+    units : dict
+        Components by name.
+    """
+    def __init__(self, units):
+        self.units = units
+        super().__init__({name: Out(unit.signature) for name, unit in units.items()})
+
+    def elaborate(self, platform):
+        m = Module()
+        for name, unit in self.units.items():
+            m.submodules[name] = unit
+            wiring.connect(m, wiring.flipped(getattr(self, name)), unit)
+        return m
+
+
+class _Ports:
+    """Ports of a component as one number of its inputs and one of its outputs.
+
+    An output ``payload`` means something only while ``valid`` next to it is high.
+    """
+    def __init__(self, component, prefix=""):
+        self.inputs, self.outputs = [], []      # (name, Value)
+        for path, member, port in component.signature.flatten(component):
+            ports = self.inputs if member.flow is In else self.outputs
+            ports.append(("__".join(map(str, (prefix, *path) if prefix else path)),
+                          Value.cast(port)))
+
+    def connections(self):
+        """The ports' connections in Verilog, to the vectors ``in`` and ``out``."""
+        for vector, ports in (("in", self.inputs), ("out", self.outputs)):
+            at = 0
+            for name, port in ports:
+                yield f".{name}({vector}[{at + len(port) - 1}:{at}])"
+                at += len(port)
+
+    @cached_property
+    def _guarded(self):
+        """(mask of a payload, number of the bit that says whether it is valid)."""
+        at, places = 0, {}
+        for name, port in self.outputs:
+            places[name] = at, len(port)
+            at += len(port)
+        return [((1 << bits) - 1 << at, places[valid][0])
+                for name, (at, bits) in places.items()
+                if name.endswith("payload") and (valid := f"{name[:-7]}valid") in places]
+
+    def meaning(self, outputs):
+        """Mask of the bits of ``outputs`` that mean something."""
+        mask = (1 << sum(len(port) for _, port in self.outputs)) - 1
+        for payload, valid in self._guarded:
+            if not outputs >> valid & 1:
+                mask &= ~payload
+        return mask
+
+
+def trace(component, check):
+    """[(inputs, outputs)] of each clock of the simulation that ``check(component)`` runs."""
+    ports, rows = _Ports(component), []
+    inputs, outputs = (Cat(port for _, port in each) for each in (ports.inputs, ports.outputs))
+
+    async def watch(ctx):
+        async for _, _, *row in ctx.tick().sample(inputs, outputs):
+            rows.append(tuple(row))
+
+    with watched(watch):
+        check(component)
+    return rows
+
+
+def _table(units, traces):
+    """The bench's file: inputs, outputs and their mask, of all units, as numbers of whole bytes.
+
+    A trace that ends before the others goes on with its last inputs, and nothing is compared.
+    """
+    ports = [_Ports(unit) for unit in units.values()]
+    widths = [[sum(len(port) for _, port in each) for each in (one.inputs, one.outputs)]
+              for one in ports]
+    sizes = [-(-sum(one) // 8) for one in zip(*widths)]
+    for clock in range(max(map(len, traces.values()))):
+        vectors, at = [0, 0, 0], [0, 0]
+        for one, (into, out), rows in zip(ports, widths, traces.values()):
+            inputs, outputs = rows[min(clock, len(rows) - 1)]
+            mask = one.meaning(outputs) if clock < len(rows) else 0
+            for k, (value, place) in enumerate(((inputs, at[0]), (outputs, at[1]), (mask, at[1]))):
+                vectors[k] |= value << place
+            at = [at[0] + into, at[1] + out]
+        yield b"".join(value.to_bytes(size, "big") for value, size in zip(
+            vectors, (sizes[0], sizes[1], sizes[1])))
+
+
+def replay(units, traces, verilog, transcripts):
+    """Run the Verilog of :class:`Units` with the inputs of all traces at once.
+
+    Parameters
+    ----------
+    units : dict
+        Components by name.
+    traces : dict
+        :func:`trace` of each of them.
+    verilog : str
+        Their module is ``units``.
+    transcripts : list
+        The run's :class:`Transcript` is added to it.
+
+    Raises
+    ------
+    SimulationError
+        If an output that means something is not that of the trace, in its clock.
+    """
+    ports = _Ports(Units(units))
+    files = {"trace.bin": b"".join(_table(units, traces))}
+    header = "".join(f"`define NCDC_{name} {value}\n" for name, value in (
+        ("INPUTS", sum(len(port) for _, port in ports.inputs)),
+        ("OUTPUTS", sum(len(port) for _, port in ports.outputs)),
+        ("CONNECTIONS", ", ".join(ports.connections()))))
+    bench = header + (HDL / "trace_bench.v").read_text()
+    program = build_bench("trace", "trace_bench", [("units.v", verilog),
+                                                   ("trace_bench.v", bench)])
+    lines = []
+    with tempfile.TemporaryDirectory(prefix="ncdc-") as name:
+        folder = Path(name)
+        for file, content in files.items():
+            (folder / file).write_bytes(content)
+        run(command_of(program), folder, lines.append)
+    for line in lines:
+        if line.startswith("FAILED"):
+            raise SimulationError(line)
+    transcripts.append(Transcript(tuple(command_of(program)), files, tuple(lines), {}))
