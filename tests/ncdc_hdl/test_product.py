@@ -2,43 +2,18 @@
 
 import re
 
-import numpy as np
 import pytest
 from amaranth.back import rtlil
 
 from ncdc_hdl.neural.product import Product
-from pipelines import run_pipeline
-
-
-def corners(width):
-    """Limits, and all values whose parts are at a limit, -1, 0 or 1 of theirs."""
-    lo, hi = -(1 << (width - 1)), (1 << (width - 1)) - 1
-    near = [sign * (1 << bit) + d for bit in (0, 16, 17, 18, width - 2) for sign in (-1, 1)
-            for d in (-1, 0, 1)]
-    return sorted({lo, lo + 1, hi, hi - 1, *(v for v in near if lo <= v <= hi)})
-
-
-def check(a_width, b_width, block):
-    rng = np.random.default_rng(a_width * b_width)
-    items = [(a, b) for a in corners(a_width) for b in corners(b_width)]
-    items += zip(*(rng.integers(-1 << (width - 1), 1 << (width - 1), 500).tolist()
-                   for width in (a_width, b_width)))
-    assert {(a < 0, b < 0) for a, b in items} == {(s, t) for s in (0, 1) for t in (0, 1)}
-    dut = Product(a_width, b_width, block)
-
-    def drive(ctx, item):
-        ctx.set(dut.a, item[0])
-        ctx.set(dut.b, item[1])
-
-    got = [o for o, in run_pipeline(dut, items, drive, lambda: [dut.o])]
-    assert got == [a * b for a, b in items]
+from units.products import check_product
 
 
 @pytest.mark.parametrize("a_width,b_width,block", [
     (24, 24, 27), (24, 24, 18), (22, 24, 18), (18, 18, 18), (18, 24, 18), (24, 18, 18),
     (19, 19, 18), (35, 35, 18)])
 def test_product(a_width, b_width, block):
-    check(a_width, b_width, block)
+    check_product(Product(a_width, b_width, block))
 
 
 def multiplications(dut):
@@ -70,7 +45,7 @@ def test_latency(block, latency):
 def test_finds_wrong_parts(wrong, monkeypatch):
     monkeypatch.setattr("ncdc_hdl.neural.product._parts", wrong)
     with pytest.raises(AssertionError):
-        check(24, 24, 18)
+        check_product(Product(24, 24, 18))
 
 
 def test_rejects_factors_of_more_than_two_parts():

@@ -25,7 +25,7 @@ def _items(q, terms, rng):
             x[-1], w[-1] = 1, 0
             total = int(x @ w) + (int(bias[0]) << q.bias_shift)
             modulus = 1 << q.shift
-            rest = (q.half - total - int(rng.integers(2))) % modulus
+            rest = ((modulus >> 1) - total - int(rng.integers(2))) % modulus
             w[-1] = rest - modulus if rest > q.wq.hi else rest
         yield x.tolist(), w.tolist(), int(bias[0])
 
