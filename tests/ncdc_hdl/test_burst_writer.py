@@ -12,6 +12,7 @@ from ncdc_hdl.frontend.strips import Strips
 from ncdc_spec.frames import BGR8, BGRX8, MONO8, OUTPUT_FORMATS
 from ncdc_spec.geometry import scan_order
 from pipelines import put, run_bench
+from units.packers import groups
 
 BURST = 8
 SIZE = 1 << 15
@@ -30,17 +31,6 @@ class Sink(Elaboratable):
         m.submodules.packer, m.submodules.writer = self.packer, self.writer
         wiring.connect(m, self.packer.o, self.writer.i)
         return m
-
-
-def groups(pixels, strip, lanes, upto=None):
-    """Items of the packer's stream: ``pixels`` (height, width, 3), the last one at ``upto``."""
-    order = scan_order(pixels, strip)[:upto].tolist()
-    items = []
-    for k in range(0, len(order), lanes):
-        lane = [{"r": r, "g": g, "b": b} for r, g, b in order[k:k + lanes]]
-        items.append((lane[0] if lanes == 1 else {"lane": lane})
-                     | {"first": k == 0, "last": k + lanes == len(order)})
-    return items
 
 
 def stored(content, base, pixels, strip, upto=None, form=BGRX8):

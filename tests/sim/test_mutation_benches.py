@@ -9,8 +9,11 @@ from functools import cache
 
 import pytest
 
+from mutation.cache import DESIGN as CACHE
 from mutation.core import DESIGN as CORE
+from mutation.front import DESIGN as FRONT
 from mutation.nodes import DESIGN as NODES
+from mutation.units import DESIGN as UNITS
 from ncdc_bench.mutation.record import RECORD, RENEW, reports_of
 from ncdc_hdl.export.verilog import module_verilog
 
@@ -22,9 +25,9 @@ def verilog_of(design):
 
 
 @pytest.mark.longer
-@pytest.mark.parametrize("design,bench", [(design, bench) for design in (CORE, NODES)
-                                          for bench in design.benches],
-                         ids=lambda value: value.name)
+@pytest.mark.parametrize("design,bench", [
+    (design, bench) for design in (CACHE, CORE, FRONT, NODES, UNITS) for bench in design.benches],
+    ids=lambda value: value.name)
 def test_played_bench(design, bench):
     """Right results, and exactly those of the record: pixels, clocks, counters."""
     recorded = json.loads(RECORD.read_text())[design.name].get(bench.name, [])

@@ -33,8 +33,8 @@ def test_bench(design, bench):
 
 
 def test_every_design_is_tested():
-    elsewhere = designs()["core"], designs()["nodes"]       # test_mutation_benches
-    assert {*DESIGNS} == {*designs().values()} - {*elsewhere}
+    elsewhere = {designs()[name] for name in ("cache", "core", "front", "nodes", "units")}
+    assert {*DESIGNS} == {*designs().values()} - elsewhere      # test_mutation_benches
 
 
 def test_a_design_leaves_the_modules_of_an_instance_to_another():

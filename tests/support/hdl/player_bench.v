@@ -6,12 +6,13 @@
 // Prints "OUT clock payload" for each item taken, and "FLAGS clock value" when the flags
 // change.
 //
-// Defines: NCDC_INPUTS, NCDC_PAYLOAD, NCDC_FLAGS: their bits; NCDC_QUIET: number of `quiet` among
-// the flags; NCDC_CONNECTIONS: the ports.
+// Defines: NCDC_INPUTS, NCDC_PAYLOAD, NCDC_FLAGS: their bits; NCDC_QUIET: the bit of `quiet` among
+// the flags; NCDC_SHOWN: the payload without what means nothing; NCDC_CONNECTIONS: the ports.
 
 module player_bench (input wire clk);
     reg  [`NCDC_INPUTS-1:0]  in = 0;
     wire [`NCDC_PAYLOAD-1:0] payload;
+    wire [`NCDC_PAYLOAD-1:0] shown = `NCDC_SHOWN;
     wire [`NCDC_FLAGS-1:0]   flags;
     reg  [`NCDC_FLAGS-1:0]   seen = 0;
     wire                     valid;
@@ -30,7 +31,7 @@ module player_bench (input wire clk);
 
     always @(posedge clk) begin
         clocks = clocks + 1;
-        if (valid && ready && !rst) $display("OUT %0d %h", clocks, payload);
+        if (valid && ready && !rst) $display("OUT %0d %h", clocks, shown);
         if (flags != seen) $display("FLAGS %0d %h", clocks, flags);
         seen = flags;
         lfsr = {lfsr[30:0], lfsr[31] ^ lfsr[21] ^ lfsr[1] ^ lfsr[0]};

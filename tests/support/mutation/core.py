@@ -266,4 +266,5 @@ _RUNS = {"frame": frame, "lists": lists, "lens change": lens_change, "read back"
          "resets, memory answers": resets(False), "register fuzz": fuzz, "wide": wide}
 
 DESIGN = Design("core", "ncdc", make, tuple(PlayedBench(*item) for item in _RUNS.items()),
-                leaves=("backmap.network_at_nodes",))
+                leaves=("backmap", "checks", "fetch", "packer", "row_gate", "table.of_lane0",
+                        "window"))

@@ -5,13 +5,15 @@ The lowest bits of products, or the highest ones of sizes, hardly reach a pixel 
 
 from functools import cache
 
-from mutation.core import largest
+from mutation.core import HARDWARE, largest
 from mutation.core import make as make_corrector
 from ncdc_bench.mutation.designs import Design, PlayedBench
+from ncdc_hdl.backend.packer import Packer
 from ncdc_hdl.frontend.strips import Strips
 from simulations.traces import Units, replay, trace
 from units.checks import check_checks
 from units.neurons import check_hidden_neuron, check_output_neuron
+from units.packers import check_packer
 from units.products import check_product
 from units.row_gates import check_row_gate
 from units.strips import check_strips
@@ -21,6 +23,7 @@ __all__ = ["DESIGN"]
 
 _SIZES = (40, 24), (8, 8), (4096, 2730), (1365, 4096), (2049, 2047)
 _HEIGHTS = 30, 8, 4096, 2731, 1365, 2048, 513
+_PICTURES = *((8 + 5 * k % 37, 2 + k % 5) for k in range(24)), (1365, 2), (2731, 2)
 _ORDERS = (8, 8, 0), (40, 9, 32), (65, 9, 64), (33, 20, 32), (100, 8, 96)
 
 
@@ -44,6 +47,10 @@ def _strips(dut):
     check_strips(dut, _ORDERS, (0, .3, 0, .5, .1))
 
 
+def _packers(dut):
+    check_packer(dut, _PICTURES)
+
+
 def units():
     """Each part, as the corrector has it, with its check, by name."""
     corrector = make_corrector()
@@ -58,7 +65,8 @@ def units():
             "product": (product, check_product),
             "hidden_neuron": (hidden, _hidden), "output_neuron": (output, _output),
             "window": (corrector.window, _windows), "row_gate": (corrector.row_gate, _gates),
-            "checks": (corrector.checks, check_checks), "strips": (Strips(1), _strips)}
+            "checks": (corrector.checks, check_checks), "strips": (Strips(1), _strips),
+            "packer": (Packer(HARDWARE.data_width, placed=True), _packers)}
 
 
 def make():

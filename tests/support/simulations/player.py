@@ -21,8 +21,11 @@ class Player:
     ----------
     component : wiring.Component
         Its Verilog has the module ``dut``. Inputs of layouts are set by their constants.
+    void : (str, int, sequence of str)
+        Name of a field of the items, and a value of it with which the named other fields mean
+        nothing; they are shown as 0.
     """
-    def __init__(self, component):
+    def __init__(self, component, void):
         self._shapes, self._flags, self._lines = {}, [], []
         for path, member, port in component.signature.flatten(component):
             name = "__".join(map(str, path))
@@ -33,6 +36,11 @@ class Player:
             elif not name.startswith("o__"):
                 self._flags.append((name, len(Value.cast(port))))
         self._values = dict.fromkeys(self._shapes, 0)
+        name, value, fields = void
+        mask = sum((1 << Shape.cast(self._item[one].shape).width) - 1 << self._item[one].offset
+                   for one in fields)
+        self._shown = (f"payload[{self._item[name].offset}] == {value} ? "
+                       f"payload & ~{self._item.size}'h{mask:x} : payload")
 
     def _bits(self, name):
         return Shape.cast(self._shapes[name]).width
@@ -65,13 +73,14 @@ class Player:
             at += self._bits(name)
         inputs, at = at, 0
         for name, bits in self._flags:
+            if name == "quiet":
+                quiet = at
             connections.append(f".{name}(flags[{at + bits - 1}:{at}])")
             at += bits
-        quiet = [name for name, _ in self._flags].index("quiet")
         bench = (HDL / "player_bench.v").read_text()
         header = "".join(f"`define NCDC_{name} {value}\n" for name, value in (
             ("INPUTS", inputs), ("PAYLOAD", self._item.size), ("FLAGS", at), ("QUIET", quiet),
-            ("CONNECTIONS", ", ".join(connections))))
+            ("SHOWN", self._shown), ("CONNECTIONS", ", ".join(connections))))
         program = build_bench("player", "player_bench", [("dut.v", verilog),
                                                          ("player_bench.v", header + bench)])
         files = {"inputs.txt": "\n".join([*self._lines, "0 0 0", ""]).encode()}
