@@ -8,9 +8,6 @@ from ncdc_spec.view_list import MAX_VIEWS
 
 __all__ = ["ViewPass"]
 
-_COUNT = range(MAX_VIEWS + 1)
-
-
 class ViewPass(wiring.Component):
     """Begins each view of a list when the view before it is over and its entry is loaded.
 
@@ -37,16 +34,17 @@ class ViewPass(wiring.Component):
     abort : ``In(1)``
     over, lacks : ``Out(1)``, ``Out(1)``
         In the clock of the last view's ``ended``: the pass is over, and a view of it lacks pixels.
-    done : ``Out(4)``
+    done : ``Out(range(views + 1))``
         Views that are over, of this pass or the last one.
     """
 
     def __init__(self, views):
         self.views = views
         super().__init__({
-            "start": In(1), "count": In(_COUNT), "load": Out(1), "entry": Out(range(views)),
-            "loaded": In(1), "begin": Out(1), "first": Out(1), "ended": In(1), "cut": In(1),
-            "abort": In(1), "over": Out(1), "lacks": Out(1), "done": Out(_COUNT)})
+            "start": In(1), "count": In(range(MAX_VIEWS + 1)), "load": Out(1),
+            "entry": Out(range(views)), "loaded": In(1), "begin": Out(1), "first": Out(1),
+            "ended": In(1), "cut": In(1), "abort": In(1), "over": Out(1), "lacks": Out(1),
+            "done": Out(range(views + 1))})
 
     def elaborate(self, platform):
         m = Module()

@@ -48,10 +48,10 @@ delete -input {top}/w:{select}
 write_verilog -noattr mutated.v
 design -load all
 flatten
-opt_expr
+opt_expr -fine
 opt_clean -purge
 opt_dff
-opt_expr
+opt_expr -fine
 opt_clean -purge
 splitcells
 opt_clean -purge

@@ -147,7 +147,8 @@ def wrong_lists(verilog, transcripts):
     entries = placed(views, [(0, 0), (16, 0), (0, 12)], (24, 21), BGR8)
     every = 0, 1, 2
     cases = [
-        ({"VIEWS": 0}, (), FAULT_SIZE), ({"VIEWS": 4}, (), FAULT_SIZE), ({"VIEWS": 1}, (0,), 0),
+        ({"VIEWS": 0}, (), FAULT_SIZE), ({"VIEWS": 4}, (), FAULT_SIZE),
+        ({"VIEWS": 11}, (), FAULT_SIZE), ({"VIEWS": 1}, (0,), 0),
         ({"VIEW1_WIDTH": 7}, (0, 2), FAULT_SIZE), ({"VIEW0_HEIGHT": 4097}, (1, 2), FAULT_SIZE),
         ({"VIEW2_STRIP": 33}, (0, 1), FAULT_SIZE),
         ({"VIEW1_PITCH": entries[1].row_bytes - word}, (0, 2), FAULT_SIZE),

@@ -20,6 +20,7 @@ from views import nonsense_view, random_view
 __all__ = ["DESIGN"]
 
 _S = 8              # distance of the nodes
+_USUAL = 160, 20    # pictures are smaller, but for a few wide ones
 
 
 def make():
@@ -29,7 +30,7 @@ def make():
                        corrector().hardware)
 
 
-def _any(rng, number):
+def _any(rng, number, largest_size):
     """A descriptor of random weights, or of weights at their limits; a view; the strips' width."""
     descriptor = cameras()[number % 2][0]
     d, f = descriptor, descriptor.formats
@@ -45,9 +46,9 @@ def _any(rng, number):
             hidden_biases=some(f.hidden_bias, d.hidden_biases, 2),
             output_weights=some(f.output_weight, d.output_weights, 400),
             output_biases=some(f.output_bias, d.output_biases, 1000))
-    size = tuple(int(side) for side in rng.integers((33, 8), (160, 20)))
+    size = tuple(int(side) for side in rng.integers((33, 8), largest_size))
     strip = int(rng.choice([0, 0, 32, 64, 96]))
-    if number % 11 == 7:
+    if largest_size == _USUAL and number % 11 == 7:
         size, strip = (int(rng.integers(1500, 4097)), 8), int(rng.choice([0, 1024]))
     if number % 3 == 2:
         return descriptor, nonsense_view(rng, size), strip
@@ -88,13 +89,13 @@ def _expected(descriptor, view, strip):
     return np.concatenate(found)
 
 
-def _play(verilog, transcripts, seed, count, stop=None, **plusargs):
+def _play(verilog, transcripts, seed, count, *, largest_size=_USUAL, stop=None, **plusargs):
     """Frames of any networks and views, one after the other; the items and the expected ones."""
     rng, expected = np.random.default_rng(seed), []
     player = Player(make(), ("fits", 0, ("x", "y", "column", "row")))
     bank = 0
     for number in range(count):
-        descriptor, view, strip = _any(rng, number)
+        descriptor, view, strip = _any(rng, number, largest_size)
         nodes = _expected(descriptor, view, strip)
         if stop and not nodes[:, 5].all():      # where one ends could not be seen
             continue
@@ -135,6 +136,13 @@ def frames(stall):
     return bench
 
 
+def small(verilog, transcripts):
+    """Many small frames: overflows of all kinds."""
+    found, expected = _play(verilog, transcripts, 3, 150, largest_size=(40, 10),
+                            clock_limit=300_000)
+    np.testing.assert_array_equal(found, np.concatenate(expected))
+
+
 def stopped(verilog, transcripts):
     """Frames of which no node is issued any more from some clock on."""
     found, expected = _play(verilog, transcripts, 2, 160, stop=(1, 400), stall=100,
@@ -148,6 +156,6 @@ def stopped(verilog, transcripts):
 
 DESIGN = Design("nodes", "dut", make, (
     PlayedBench("frames", frames(0)), PlayedBench("frames, stalls", frames(200)),
-    PlayedBench("stopped", stopped)), leaves=(
+    PlayedBench("small frames", small), PlayedBench("stopped", stopped)), leaves=(
         "transform.divide", "transform.normalise", "transform.reciprocal.curve",
         "transform.reciprocal.slope", "hidden.unit0", "output.output0", "output.output1"))
