@@ -111,8 +111,8 @@ struct Frame {
 
 class Bench {
 public:
-    Bench(std::uint64_t seed, int resets, int frame_bits, int argc, char** argv)
-        : random{seed * 0x9E3779B97F4A7C15 + 1}, resets(resets), frame_bits(frame_bits) {
+    Bench(std::uint64_t seed, int resets, int frame_bits, bool far, int argc, char** argv)
+        : random{seed * 0x9E3779B97F4A7C15 + 1}, resets(resets), frame_bits(frame_bits), far(far) {
         context->commandArgs(argc, argv);
         dut = std::make_unique<Vcache>(context.get());
         held.assign(kBanks * kSets, -1);
@@ -167,12 +167,17 @@ private:
                                          std::max(1, scale >> random.below(6)));
         f.area_x = random.below(f.width - (kCore - 2) - f.area_w);
         f.area_y = random.below(f.height - (kCore - 2) - f.area_h);
+        if (far) {
+            f.area_x = f.width - (kCore - 1) - f.area_w;
+            f.area_y = f.height - (kCore - 1) - f.area_h;
+        }
     }
 
     void choose(std::uint64_t limit) {
         // Half of the frames are where the one before was, at another base.
         if (f.groups == 0 || random.bernoulli(128)) choose_area();
-        f.base = 16 * random.below(1 << 26);
+        // A frame of 4096 rows of at most 4208 bytes is below the end of all addresses.
+        f.base = 16 * random.below(far ? (1u << 28) - (1u << 21) : 1u << 26);
         // Half of the buffers end with the frame: no byte after it is read.
         f.limit = f.base + f.pitch * f.height + (random.bernoulli(128) ? 0 : 4 * f.pitch);
         f.pattern = random.below(4);
@@ -456,6 +461,7 @@ private:
     std::unique_ptr<Vcache> dut;
     Random random;
     int resets, frame_bits;
+    bool far;
     Frame f{};
     Group current{};
     bool offered = false, command_held = false;
@@ -472,7 +478,7 @@ private:
 };
 
 int main(int argc, char** argv) {
-    std::uint64_t seed = 1, groups = 100000, resets = 0, frame_bits = 12;
+    std::uint64_t seed = 1, groups = 100000, resets = 0, frame_bits = 12, far = 0;
     for (int k = 1; k < argc; k++) {
         const std::string text = argv[k];
         const std::uint64_t value = std::strtoull(text.c_str() + text.find('=') + 1, nullptr, 10);
@@ -480,8 +486,9 @@ int main(int argc, char** argv) {
         if (text.rfind("+groups=", 0) == 0) groups = value;
         if (text.rfind("+resets=", 0) == 0) resets = value;      // frames of 256 that are cut short
         if (text.rfind("+frame_bits=", 0) == 0) frame_bits = value;  // log2 of a frame's most groups
+        if (text.rfind("+far=", 0) == 0) far = value;   // windows at the end of frames anywhere
     }
-    Bench bench(seed, static_cast<int>(resets), static_cast<int>(frame_bits), argc, argv);
+    Bench bench(seed, static_cast<int>(resets), static_cast<int>(frame_bits), far, argc, argv);
     while (bench.windows < groups * kLanes) bench.frame(groups - bench.windows / kLanes);
     const std::pair<const char*, std::uint64_t> results[] = {
         {"windows", bench.windows}, {"wrong", bench.wrong}, {"total_clocks", bench.clocks},

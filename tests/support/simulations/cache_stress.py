@@ -12,7 +12,7 @@ __all__ = ["stress_cache"]
 TOP = "cache"
 
 
-def stress_cache(cache, *, groups, frame_bits=12, seed=1, resets=0, verilog=None,
+def stress_cache(cache, *, groups, frame_bits=12, seed=1, resets=0, far=0, verilog=None,
                  transcripts=None):
     """Run ``groups`` groups of windows through a :class:`ncdc_hdl.backend.cache.cache.Cache`.
 
@@ -29,6 +29,8 @@ def stress_cache(cache, *, groups, frame_bits=12, seed=1, resets=0, verilog=None
         Seed of all random behaviour.
     resets : int
         Frames of 256 that a reset cuts short.
+    far : int
+        1: windows lie at the end of their frames, and these anywhere in the address space.
     verilog : str
         Text of the cache, whose module is ``cache``; None: it is made.
     transcripts : list
@@ -65,7 +67,7 @@ def stress_cache(cache, *, groups, frame_bits=12, seed=1, resets=0, verilog=None
     program = build("cache-stress", TOP, [(f"{TOP}.v", verilog or module_verilog(cache, TOP))],
                     main=HDL / "cache_main.cpp", options=("-CFLAGS", flags))
     command = [*command_of(program), f"+seed={seed}", f"+groups={groups}", f"+resets={resets}",
-               f"+frame_bits={frame_bits}"]
+               f"+frame_bits={frame_bits}", f"+far={far}"]
     lines = []
     run(command, None, lines.append)
     if transcripts is not None:
