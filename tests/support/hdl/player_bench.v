@@ -10,7 +10,7 @@
 // the flags; NCDC_SHOWN: the payload without what means nothing; NCDC_CONNECTIONS: the ports.
 
 module player_bench (input wire clk);
-    reg  [`NCDC_INPUTS-1:0]  in = 0;
+    reg  [`NCDC_INPUTS-1:0]  in = 0, next_in;
     wire [`NCDC_PAYLOAD-1:0] payload;
     wire [`NCDC_PAYLOAD-1:0] shown = `NCDC_SHOWN;
     wire [`NCDC_FLAGS-1:0]   flags;
@@ -39,7 +39,8 @@ module player_bench (input wire clk);
         left = left - (left != 0);
         if (left == 0 && (!until_quiet || was_quiet)) begin
             rst <= 0;
-            got = $fscanf(file, "%h %h %h", in, left, until_quiet);
+            got = $fscanf(file, "%h %h %h", next_in, left, until_quiet);
+            in <= next_in;
             if (got != 3 || left == 0) begin
                 $display("RESULT total_clocks %0d", clocks);
                 $finish;

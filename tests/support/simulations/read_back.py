@@ -42,8 +42,9 @@ def simulate_read_back(corrector, verilog, *, seed=1, **options):
         program.read(register.address)
     program.read(_UNUSED)
     first = {r.name: _random(rng, r.shape) for r in written}
-    for values in (first, {name: ~value for name, value in first.items()}):
-        _write(program, table, written, _shared(values))
+    # The other way round, too: what a write changes of a register written before it is read.
+    for values, order in ((first, 1), ({name: ~value for name, value in first.items()}, -1)):
+        _write(program, table, written[::order], _shared(values))
     _rows(program, rng, corrector, {r.name: r.address for r in table})
     result = simulate_frame(verilog, b"", program, source_base=0, output_base=0, output_bytes=16,
                             **options)
