@@ -170,6 +170,10 @@ private:
         if (far) {
             f.area_x = f.width - (kCore - 1) - f.area_w;
             f.area_y = f.height - (kCore - 1) - f.area_h;
+            if (random.bernoulli(64)) {
+                f.area_x = f.area_y = 0;
+                f.area_w = f.width - (kCore - 1), f.area_h = f.height - (kCore - 1);
+            }
         }
     }
 
@@ -180,7 +184,7 @@ private:
         f.base = 16 * random.below(far ? (1u << 28) - (1u << 21) : 1u << 26);
         // Half of the buffers end with the frame: no byte after it is read.
         f.limit = f.base + f.pitch * f.height + (random.bernoulli(128) ? 0 : 4 * f.pitch);
-        f.pattern = random.below(4);
+        f.pattern = random.below(far ? 5 : 4);
         f.blank = random.bernoulli(64) ? random.below(256) : 20;
         f.gap = random.bernoulli(128) ? 0 : random.below(200);
         f.stall = random.bernoulli(128) ? 0 : random.below(200);
@@ -194,7 +198,8 @@ private:
                             ? random.between(1, static_cast<int>(f.groups)) : 0;
     }
 
-    // 0: anywhere in the area, 1: a walk, 2: along rows, 3: along columns, with jumps in all.
+    // 0: anywhere in the area, 1: a walk, 2: along rows, 3: along columns, 4: to and fro by a power
+    // of two, with jumps in all.
     Group next_group() {
         Group group;
         for (Pixel& p : group.lane) {
@@ -206,6 +211,8 @@ private:
             } else if (f.pattern == 2) {
                 x += random.between(0, 2), y += random.bernoulli(8);
                 if (x >= f.area_x + f.area_w) x = f.area_x, y++;
+            } else if (f.pattern == 4) {
+                (random.bernoulli(128) ? x : y) ^= 1u << random.between(3, 11);
             } else {
                 y += random.between(0, 2), x += random.bernoulli(8);
                 if (y >= f.area_y + f.area_h) y = f.area_y, x++;

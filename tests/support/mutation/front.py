@@ -56,8 +56,9 @@ class Front(wiring.Component):
         return m
 
 
-def _any(rng, number):
-    """A descriptor of any lens and valid rows; a view; the strips' width."""
+def _any(rng, number, small):
+    """A descriptor of any lens and valid rows; a view, of ``small`` frames mostly one that makes no
+    sense; the strips' width."""
     descriptor = cameras()[number % 2][0]
     width, height = descriptor.geometry.corrected
     spans = np.sort(rng.integers(0, width, (height, 2 * SPANS), endpoint=True), axis=1)
@@ -65,18 +66,19 @@ def _any(rng, number):
     if number % 5 == 4:
         descriptor = extreme(descriptor, number)
     descriptor = replace(descriptor, valid=ValidRows(spans))
-    size = tuple(int(side) for side in rng.integers(8, (140, 24)))
+    size = tuple(int(side) for side in rng.integers(8, (40, 10) if small else (140, 24)))
     strip = int(rng.choice([0, 0, 32, 64]))
-    if number % 8 == 7:
+    if number % 8 == 7 and not small:
         size = [(2731, 8), (1365, 9), (8, 1365), (4096, 8)][number // 8 % 4]
-    if number % 3 == 2:
+    if number % 3 == 2 or small and number % 3:
         return descriptor, nonsense_view(rng, size), strip
     return descriptor, random_view(rng, descriptor.geometry, FOCAL, size, pan=50, roll=180,
                                    zoom=(.3, 4)), strip
 
 
-def _load(player, descriptor, view, strip, bank):
-    """Write weights and valid rows to ``bank``, and set the rest of a frame."""
+def _load(player, descriptor, view, strip, bank, empty):
+    """Write weights and valid rows to ``bank``, and set the rest of a frame, which may be
+    ``empty``."""
     for position, word in bank_words(descriptor.hidden_weights, descriptor.hidden_biases,
                                      descriptor.output_weights):
         player.put(writes__write=1, writes__position=position, writes__word=word,
@@ -91,26 +93,29 @@ def _load(player, descriptor, view, strip, bank):
     (width, height), rows = view.size, descriptor.geometry.corrected_height
     player.put(
         8, host__write=0, writes__active=bank, bank=bank,
-        scan={"width": width, "height": height, "strip": strip, "origin_x": origin_x,
-              "step_x": step_x, "origin_y": origin_y, "step_y": step_y},
+        scan={"width": width, "height": 0 if empty else height, "strip": strip,
+              "origin_x": origin_x, "step_x": step_x, "origin_y": origin_y, "step_y": step_y},
         view={"matrix": np.reshape(view.matrix, (3, 3)).tolist(), "plane_height": rows},
         network={"output": [{"bias": int(one)} for one in descriptor.output_biases]})
 
 
-def _play(verilog, transcripts, seed, count, aborts=False, **plusargs):
-    """Frames of any lenses and views; each must be the golden one, or its beginning."""
+def _play(verilog, transcripts, seed, count, *, aborts=False, small=False, **plusargs):
+    """Frames of any lenses and views; each must be the golden one, or its beginning. With
+    ``aborts`` some are empty, which have one blank group."""
     rng = np.random.default_rng(seed)
     player, wanted = Player(Front(), ("blank", 1, ("x", "y"))), []
     for number in range(count):
-        descriptor, view, strip = _any(rng, number)
-        _load(player, descriptor, view, strip, number % 2)
+        descriptor, view, strip = _any(rng, number, small)
+        empty = aborts and number % 10 == 9
+        _load(player, descriptor, view, strip, number % 2, empty)
         player.put(start=1, abort=0)
         if aborts and number % 4:
             player.put(int(rng.integers(1, 700)), start=0)
             player.put(20, True, abort=1)
         else:
             player.put(20, True, start=0)
-        wanted.append(expected(descriptor, strip, view=view))
+        wanted.append(np.array([[0, 0, 1, 1, 1]]) if empty
+                      else expected(descriptor, strip, view=view))
     items = [(one.x, one.y, one.blank, one.first, one.last)
              for one in player.play(verilog, transcripts, **plusargs)]
     cuts = 0
@@ -135,10 +140,15 @@ def frames(count, stall):
 
 def aborts(verilog, transcripts):
     """Frames that an abort ends, and whole ones after them."""
-    _play(verilog, transcripts, 7, 80, True, stall=60, clock_limit=400_000)
+    _play(verilog, transcripts, 7, 80, aborts=True, stall=60, clock_limit=400_000)
+
+
+def small(verilog, transcripts):
+    """Many small frames: overflows of all kinds."""
+    _play(verilog, transcripts, 8, 120, small=True, clock_limit=400_000)
 
 
 DESIGN = Design("front", "dut", Front, (
     PlayedBench("frames", frames(33, 0)), PlayedBench("frames, stalls", frames(12, 150)),
-    PlayedBench("aborts", aborts)), leaves=(
+    PlayedBench("aborts", aborts), PlayedBench("small frames", small)), leaves=(
         "backmap.network_at_nodes", "backmap.scan.strips", "table.of_host"), bare=True)

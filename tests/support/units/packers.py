@@ -28,7 +28,7 @@ class _Frame:
         width, height = size
         self.size, self.pixels = size, rng.integers(0, 256, (height, width, 3))
         self.form = list(OUTPUT_FORMATS.values())[int(rng.integers(len(OUTPUT_FORMATS)))]
-        self.strip = int(rng.choice([0, 32, 64]))
+        self.strip = int(rng.choice([0, 32, 64] if width < 1000 else [0, 992, 1376]))
         row = self.form.pixel_bytes * width
         least = -(-row // word) * word
         self.pitch = int(rng.choice([0, least, least + word * int(rng.integers(1, 99))]))
