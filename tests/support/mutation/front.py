@@ -10,7 +10,7 @@ from amaranth.lib.wiring import In, Out
 
 from banks import bank_words
 from front_end import expected, extreme
-from mutation.core import FOCAL, cameras
+from mutation.core import FOCAL, cameras, large_cameras
 from mutation.core import make as make_corrector
 from ncdc_bench.mutation.designs import Design, PlayedBench
 from ncdc_hdl.frontend.signatures import TableAccess
@@ -59,7 +59,8 @@ class Front(wiring.Component):
 def _any(rng, number, small):
     """A descriptor of any lens and valid rows; a view, of ``small`` frames mostly one that makes no
     sense; the strips' width."""
-    descriptor = cameras()[number % 2][0]
+    large = number % 8 == 3 and not small
+    descriptor = (large_cameras()[number // 8 % 2] if large else cameras()[number % 2])[0]
     width, height = descriptor.geometry.corrected
     spans = np.sort(rng.integers(0, width, (height, 2 * SPANS), endpoint=True), axis=1)
     spans[rng.random(height) < .3] = [0, width, 0, 0]
@@ -72,8 +73,8 @@ def _any(rng, number, small):
         size = [(2731, 8), (1365, 9), (8, 1365), (4096, 8)][number // 8 % 4]
     if number % 3 == 2 or small and number % 3:
         return descriptor, nonsense_view(rng, size), strip
-    return descriptor, random_view(rng, descriptor.geometry, FOCAL, size, pan=50, roll=180,
-                                   zoom=(.3, 4)), strip
+    return descriptor, random_view(rng, descriptor.geometry, FOCAL / 40 * max(width, height), size,
+                                   pan=50, roll=180, zoom=(.3, 4)), strip
 
 
 def _load(player, descriptor, view, strip, bank, empty):
