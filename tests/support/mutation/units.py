@@ -8,10 +8,12 @@ from functools import cache
 from mutation.core import HARDWARE, largest
 from mutation.core import make as make_corrector
 from ncdc_bench.mutation.designs import Design, PlayedBench
+from ncdc_hdl.avalon.read_fence import ReadFence
 from ncdc_hdl.backend.packer import Packer
 from ncdc_hdl.frontend.strips import Strips
 from simulations.traces import Units, replay, trace
 from units.checks import check_checks
+from units.fences import check_read_fence
 from units.neurons import check_hidden_neuron, check_output_neuron
 from units.packers import check_packer
 from units.products import check_product
@@ -59,6 +61,7 @@ def units():
     nodes = corrector.backmap.network_at_nodes
     divider = nodes.transform.reciprocal
     hidden, output = nodes.hidden.units[0], nodes.output.outputs[0]
+    burst = corrector.fetch.fills.burst
     product = make_corrector().backmap.network_at_nodes.hidden.units[0].products[0]
     # Products alone first: of equal modules the first instance is changed.
     return {"slope": (divider.slope, check_product), "curve": (divider.curve, check_product),
@@ -68,7 +71,9 @@ def units():
             "hidden_neuron": (hidden, _hidden), "output_neuron": (output, _output),
             "window": (corrector.window, _windows), "row_gate": (corrector.row_gate, _gates),
             "checks": (corrector.checks, check_checks), "strips": (Strips(1), _strips),
-            "packer": (Packer(HARDWARE.data_width, placed=True), _packers)}
+            "packer": (Packer(HARDWARE.data_width, placed=True), _packers),
+            "read_fence": (ReadFence(HARDWARE.data_width, burst, shortest=burst),
+                           check_read_fence)}
 
 
 def make():
