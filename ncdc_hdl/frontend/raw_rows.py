@@ -56,7 +56,7 @@ class RawRows(wiring.Component):
 
     def elaborate(self, platform):
         m = Module()
-        fifo = Fifo(width=ROW_BITS, depth=row_nodes(MAX_SIZE, self.nodes), checked=False)
+        fifo = Fifo(width=ROW_BITS, depth=row_nodes(MAX_SIZE, self.nodes))
         m.submodules.fifo = ResetInserter(self.start)(fifo)
         m.submodules.wanted = wanted = DelayMemory(1, self.way)
         m.d.comb += wanted.i.eq(~self.bottom)

@@ -97,7 +97,7 @@ class CreditQueue(wiring.Component):
     def elaborate(self, platform):
         m = Module()
         width = Shape.cast(self.shape).width
-        m.submodules.fifo = fifo = Fifo(width=width, depth=self.depth, checked=False)
+        m.submodules.fifo = fifo = Fifo(width=width, depth=self.depth)
         issued, arrived, taken = (
             register(m, name, value, reset_less=False) for name, value in
             (("issued", self.issue), ("arrived", self.arrive),

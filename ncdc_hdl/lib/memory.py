@@ -38,13 +38,11 @@ class Fifo(wiring.Component):
         Bits of an item.
     depth : int
         Items, at least 2.
-    checked : bool
-        Whether ``w_en`` is ignored while the queue is full; if not, it must be low then.
 
     Members
     -------
     w_data, w_en, w_rdy : ``In(width)``, ``In(1)``, ``Out(1)``
-        An item is written if both are high.
+        ``w_en`` writes an item; it must be low while ``w_rdy`` is, which is when the queue is full.
     r_data, r_rdy, r_en : ``Out(width)``, ``Out(1)``, ``In(1)``
         The oldest item, taken if both are high.
     level : ``Out(range(depth + 1))``
@@ -59,10 +57,10 @@ class Fifo(wiring.Component):
     latency = 3
     """Clocks from the write of an item to its appearance: the memory, its register, the output."""
 
-    def __init__(self, *, width, depth, checked=True):
+    def __init__(self, *, width, depth):
         if depth < 2:
             raise ValueError(f"depth is {depth}, the limit is 2")
-        self.width, self.depth, self.checked = width, depth, checked
+        self.width, self.depth = width, depth
         super().__init__({
             "w_data": In(width), "w_en": In(1), "w_rdy": Out(1),
             "r_data": Out(width), "r_rdy": Out(1), "r_en": In(1),
@@ -85,35 +83,32 @@ class Fifo(wiring.Component):
         consume = Signal(range(words))              # read address of the next item
         stored = Signal(range(self.depth + 1))      # items in the memory that are not yet read
         some = Signal()                             # stored != 0
-        full = Signal()                             # level == depth
         read_valid = Signal()                       # an item is in the memory's own output register
         both = Signal()                             # also in the one after it
         oldest = Signal(self.width, reset_less=True)    # a RAM's register has no reset to share
-        put = Signal()                              # an item is written
         pop = Signal()                              # an item leaves the memory
         load = Signal()                             # the memory's output register may be loaded
         move = Signal()                             # the register after it may be loaded
         take = Signal()                             # the oldest item is taken
         m.d.comb += [
             self.r_data.eq(oldest),
-            self.w_rdy.eq(~full),
-            put.eq(self.w_en & ~full if self.checked else self.w_en),
+            self.w_rdy.eq(self.level != self.depth),
             take.eq(self.r_rdy & self.r_en),
             write.addr.eq(produce),
             write.data.eq(self.w_data),
-            write.en.eq(put),
+            write.en.eq(self.w_en),
             move.eq(~self.r_rdy | self.r_en),
             load.eq(~both | self.r_en),
             read.addr.eq(consume),
             read.en.eq(load),
             pop.eq(load & some),
         ]
-        with m.If(put != pop):
-            m.d.sync += [stored.eq(stored + Mux(put, 1, -1)), some.eq(put | (stored != 1))]
-        with m.If(put != take):
-            m.d.sync += [self.level.eq(self.level + Mux(put, 1, -1)),
-                         full.eq(put & (self.level == self.depth - 1))]
-        for pointer, step in ((produce, put), (consume, pop)):
+        with m.If(self.w_en != pop):
+            m.d.sync += [stored.eq(stored + Mux(self.w_en, 1, -1)),
+                         some.eq(self.w_en | (stored != 1))]
+        with m.If(self.w_en != take):
+            m.d.sync += self.level.eq(self.level + Mux(self.w_en, 1, -1))
+        for pointer, step in ((produce, self.w_en), (consume, pop)):
             with m.If(step):
                 m.d.sync += pointer.eq(Mux(pointer == words - 1, 0, pointer + 1))
         m.d.sync += both.eq(~load | (some & (read_valid | ~move)))

@@ -55,7 +55,8 @@ class DelayMemory(wiring.Component):
         i, o = Value.cast(self.i), Value.cast(self.o)
         m.submodules.memory = memory = Memory(shape=len(i), depth=self.clocks, init=[])
         write, read = memory.write_port(), memory.read_port()
-        index = Signal(range(self.clocks))          # address at which this word is written
+        # Any address may be the first one: no reset.
+        index = Signal(range(self.clocks), reset_less=True)     # at which this word is written
         following = Signal(range(self.clocks))      # address of the next one: the oldest word
         m.d.sync += index.eq(following)
         m.d.comb += [

@@ -56,8 +56,7 @@ class WordReader(wiring.Component):
 
     def _parts(self, m, commands):
         """Long words come faster than they leave: two bursts of them wait."""
-        m.submodules.queue = queue = Fifo(width=self.data_width, depth=2 * self.burst,
-                                          checked=False)
+        m.submodules.queue = queue = Fifo(width=self.data_width, depth=2 * self.burst)
         parts = self.data_width // 32
         part = Signal(range(parts))
         claimed = Signal(range(2 * self.burst + 1))     # words requested and not taken

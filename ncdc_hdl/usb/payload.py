@@ -49,7 +49,7 @@ class PayloadReader(wiring.Component):
     def elaborate(self, platform):
         m = Module()
         word_bits = exact_log2(self.data_width // 8)
-        m.submodules.queue = queue = Fifo(width=self.data_width, depth=self.depth, checked=False)
+        m.submodules.queue = queue = Fifo(width=self.data_width, depth=self.depth)
         m.submodules.commands = commands = ReadCommands(self.data_width, self.burst,
                                                         limit=self.depth)
         wiring.connect(m, commands.bus, wiring.flipped(self.bus))

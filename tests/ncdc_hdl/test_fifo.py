@@ -22,7 +22,9 @@ def run(depth, write_rate, read_rate):
 
     async def bench(ctx):
         for clock in range(20 * len(ITEMS)):
-            offers = len(written) < len(ITEMS) and rng.random() < write_rate
+            # Never while it is full.
+            offers = (len(written) < len(ITEMS) and len(written) - len(taken) < depth
+                      and rng.random() < write_rate)
             takes = rng.random() < read_rate
             ctx.set(dut.w_data, ITEMS[len(written) % len(ITEMS)])
             ctx.set(dut.w_en, int(offers))
@@ -35,7 +37,7 @@ def run(depth, write_rate, read_rate):
             if takes and there:
                 out.append(item)
                 taken.append(clock)
-            if offers and space:
+            if offers:
                 written.append(clock)
             if len(out) == len(ITEMS):
                 break

@@ -53,7 +53,7 @@ class WriteWords(wiring.Component):
     def elaborate(self, platform):
         m = Module()
         bus, mapping = self.bus, self.mapping
-        words = Fifo(width=self.word.shape().size, depth=self.depth, checked=False)
+        words = Fifo(width=self.word.shape().size, depth=self.depth)
         m.submodules.words = words
         taken = Signal()                            # the oldest word was taken in the clock before
         waits = Signal(init=1)                      # waitrequest

@@ -96,6 +96,7 @@ class Fills(wiring.Component):
         m = Module()
         limit = self.options.outstanding
         depth = max(limit, 2)
+        # As many tiles as there is credit for are under way: neither queue can be full before.
         m.submodules.claimed = claimed = Fifo(width=tile_layout(self.options).size, depth=depth)
         m.submodules.slots = slots = Fifo(width=slot_bits(self.options), depth=depth)
         m.submodules.requests = requests = TileRequests(self.options)

@@ -176,7 +176,7 @@ class Retire(wiring.Component):
 
         ``leaves``: its last look-up becomes the oldest.
         """
-        m.submodules.groups = groups = Fifo(width=self.lanes_shape.size, checked=False,
+        m.submodules.groups = groups = Fifo(width=self.lanes_shape.size,
                                             depth=self.options.pending + self.before)
         m.d.comb += [
             groups.w_en.eq(register(m, "entered", self.enters, reset_less=False)),
