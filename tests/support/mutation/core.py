@@ -195,17 +195,22 @@ def far(verilog, transcripts):
         assert result.differing == (0, 0) and result.outside == 0
 
 
+def whole_view(rng, geometry, size):
+    """A view of the whole trained picture, from its first pixel to its last, slightly turned."""
+    matrix = np.diag([(side - 1) / (of - 1) for side, of in zip(geometry.corrected, size)] + [1.])
+    matrix[:2, :2] += matrix[:2, :2] @ rng.uniform(-.05, .05, (2, 2))
+    return View.of(matrix, size)
+
+
 def _spread(rng, geometry, number):
     """An entry whose view shows the whole trained picture, in a far part of the buffer."""
     size = ((24, 9), (40, 8), (33, 8))[number]
     size = size if geometry.corrected_width > geometry.corrected_height else size[::-1]
-    # From its first pixel to its last, slightly turned.
-    matrix = np.diag([(side - 1) / (of - 1) for side, of in zip(geometry.corrected, size)] + [1.])
-    matrix[:2, :2] += matrix[:2, :2] @ rng.uniform(-.05, .05, (2, 2))
+    view = whole_view(rng, geometry, size)
     form = (BGRX8, BGR8, BGRX8)[number]
     pitch = (0, 0x5558, 0xAAA0)[number]
     offset = (0, 0x2AAA8, 0xD5550)[number]
-    return Entry(View.of(matrix, size), offset, pitch, form, (0, 0, 32)[number])
+    return Entry(view, offset, pitch, form, (0, 0, 32)[number])
 
 
 def ragged(verilog, transcripts):

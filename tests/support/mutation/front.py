@@ -10,7 +10,7 @@ from amaranth.lib.wiring import In, Out
 
 from banks import bank_words
 from front_end import expected, extreme
-from mutation.core import FOCAL, cameras, large_cameras
+from mutation.core import FOCAL, cameras, large_cameras, whole_view
 from mutation.core import make as make_corrector
 from ncdc_bench.mutation.designs import Design, PlayedBench
 from ncdc_hdl.frontend.signatures import TableAccess
@@ -71,10 +71,14 @@ def _any(rng, number, small):
     strip = int(rng.choice([0, 0, 32, 64]))
     if number % 8 == 7 and not small:
         size = [(2731, 8), (1365, 9), (8, 1365), (4096, 8)][number // 8 % 4]
+    if large:
+        long, short = int(rng.integers(24, 140)), int(rng.integers(8, 24))
+        size = (long, short) if width > height else (short, long)
+        return descriptor, whole_view(rng, descriptor.geometry, size), strip
     if number % 3 == 2 or small and number % 3:
         return descriptor, nonsense_view(rng, size), strip
-    return descriptor, random_view(rng, descriptor.geometry, FOCAL / 40 * max(width, height), size,
-                                   pan=50, roll=180, zoom=(.3, 4)), strip
+    return descriptor, random_view(rng, descriptor.geometry, FOCAL, size, pan=50, roll=180,
+                                   zoom=(.3, 4)), strip
 
 
 def _load(player, descriptor, view, strip, bank, empty):
@@ -90,6 +94,8 @@ def _load(player, descriptor, view, strip, bank, empty):
             start, stop = spans[2 * span:][:2]
             player.put(host__write=1, host__bank=bank, host__row=row, host__span=span,
                        host__start=start, host__stop=stop)
+    for row in (0, descriptor.geometry.corrected_height // 2):     # without a write
+        player.put(host__write=0, host__row=row, host__start=0, host__stop=row)
     origin_x, step_x, origin_y, step_y = descriptor.geometry.scan()
     (width, height), rows = view.size, descriptor.geometry.corrected_height
     player.put(
