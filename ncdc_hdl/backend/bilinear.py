@@ -43,7 +43,7 @@ class Bilinear(wiring.Component):
     -------
     i : ``In(points)``
     fx, fy : ``In``
-        0 to 1 - 2**-f_bits; fx up to 1 with signed colours, whose points may come right to left.
+        0 to 1 - 2**-f_bits; up to 1 with signed colours, whose points may come reflected.
     crest : ``In(signed(14))``
         With a crest only: added to all colours with the half of the rounding, in 64ths of a grey
         level, ``crest_clock`` clocks after the four colours.
@@ -59,7 +59,7 @@ class Bilinear(wiring.Component):
         self.colour = Shape.cast(points.elem_shape)
         self.crested = interpolation == DIRECTIONAL
         super().__init__({"i": In(points), "fx": In(f_bits + self.colour.signed),
-                          "fy": In(f_bits), "o": Out(data.ArrayLayout(8, 3))}
+                          "fy": In(f_bits + self.colour.signed), "o": Out(data.ArrayLayout(8, 3))}
                          | ({"crest": In(signed(14))} if self.crested else {}))
 
     def elaborate(self, platform):

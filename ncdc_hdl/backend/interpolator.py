@@ -97,24 +97,25 @@ class Interpolator(wiring.Component):
                 lanes_of(self.i.payload), lanes_of(queue.i), self.decoders, self.bilinears)):
             m.submodules[f"bayer{k}"] = bayer
             m.submodules[f"bilinear{k}"] = bilinear
-            m.d.comb += [
-                bayer.samples.eq(window.samples), bilinear.i.eq(bayer.o),
-                bilinear.fy.eq(delay(m, window.fy, bayer.latency, f"fy{k}")),
-            ]
+            m.d.comb += [bayer.samples.eq(window.samples), bilinear.i.eq(bayer.o)]
             blank = delay(m, window.blank, self.latency, f"blank{k}")
-            not_red_row = window.odd_row ^ self.phase[1]
-            fx, colours = window.fx, Cat(bilinear.o[2], bilinear.o[1], bilinear.o[0])
+            position = {"x": window.fx, "y": window.fy}
+            colours = Cat(bilinear.o[2], bilinear.o[1], bilinear.o[0])
             if self.interpolation == FAST:
                 m.d.comb += [bayer.red_column.eq(~(window.odd_column ^ self.phase[0])),
-                             bayer.red_row.eq(~not_red_row)]
+                             bayer.red_row.eq(~(window.odd_row ^ self.phase[1]))]
             else:
                 m.d.comb += bayer.mono.eq(self.mono)
-                # From the right, the position is 1 - fx.
-                fx = Mux(window.flipped, (1 << self.f_bits) - fx, fx)[:len(bilinear.fx)]
-                swapped = delay(m, not_red_row, bayer.latency + bilinear.latency, f"swapped{k}")
-                colours = Mux(swapped, Cat(bilinear.o[0], bilinear.o[1], bilinear.o[2]), colours)
+                # From the other end, the position is 1 - f.
+                position = {axis: Mux(window.flipped[axis], (1 << self.f_bits) - f, f)
+                            for axis, f in position.items()}
+                # Chroma of the upper row is in odd columns: red, if red samples are.
+                colours = Mux(self.phase[0], colours,
+                              Cat(bilinear.o[0], bilinear.o[1], bilinear.o[2]))
                 colours = Mux(self.mono, bilinear.o[1].replicate(3), colours)
-            m.d.comb += bilinear.fx.eq(delay(m, fx, bayer.latency, f"fx{k}"))
+            m.d.comb += [getattr(bilinear, f"f{axis}").eq(
+                delay(m, f[:len(bilinear.fx)], bayer.latency, f"f{axis}{k}"))
+                for axis, f in position.items()]
             if self.interpolation == DIRECTIONAL:
                 self._crest(m, k, window)
             if self.colours:

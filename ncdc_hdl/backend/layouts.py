@@ -31,17 +31,18 @@ def request_layout(f_bits, lanes=1, interpolation=FAST):
 
 
 def window_layout(f_bits, lanes=1, interpolation=FAST):
-    """A fetched window: the samples that ``interpolation`` uses, row by row, parity of the
+    """A fetched window: the samples that ``interpolation`` uses, row by row, parities of the
     sample of the first point, the pixel's position, whether the pixel is blank; ``lanes`` of
     them as :func:`ncdc_hdl.lib.groups.grouped`.
 
-    Windows with a margin are ``flipped`` where the first point is red or blue: the samples of each
-    row come right to left, so that the sample in row and column ``margin`` is always green.
+    Windows with a margin are ``flipped`` so that their even columns are even ones of the frame, and
+    their even rows of the parity with which the sample in row and column ``margin`` is green: with
+    ``x`` the samples of each row come right to left, with ``y`` the rows last one first.
     """
     samples = data.ArrayLayout(8, len(interpolation.samples))
-    column = "flipped" if interpolation.margin else "odd_column"
-    return grouped({"samples": samples, column: 1, "odd_row": 1,
-                    "fx": f_bits, "fy": f_bits, "blank": 1}, lanes)
+    parities = ({"flipped": data.StructLayout({"x": 1, "y": 1})} if interpolation.margin else
+                {"odd_column": 1, "odd_row": 1})
+    return grouped({"samples": samples, **parities, "fx": f_bits, "fy": f_bits, "blank": 1}, lanes)
 
 
 def pixel_layout(lanes=1):

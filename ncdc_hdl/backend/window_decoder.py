@@ -16,8 +16,7 @@ PAIRS = {"H": ((0, -1), (0, 1)), "V": ((-1, 0), (1, 0)), "Q": ((0, -2), (0, 2)),
 class WindowDecoder(wiring.Component):
     """Base of the decoders: four colours from the samples of a window.
 
-    The window's rows come in such an order, from left to right or right to left, that the first
-    point is green. So each kernel has its fixed points. The samples of a pair are added once for
+    The window comes reflected where it must be for the first point to be green. So each kernel has its fixed points. The samples of a pair are added once for
     all points that have it, though for some it is D0 and for others H.
 
     A subclass has ``latency`` and the methods ``_at_green(m, name, sums)`` and

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from fetchers import turned
 from ncdc_hdl.backend.cache.align import align_for
 from ncdc_hdl.backend.cache.boxes import Boxes
 from ncdc_hdl.backend.cache.narrow import Narrow
@@ -96,6 +97,7 @@ def test_groups_become_boxes(needs, lanes, gap, stall):
 def test_any_window_in_one_clock(needs, word_bytes, split):
     """A frame that fits the cache as a whole; every position of a window in a block of tiles."""
     rng = np.random.default_rng(split)
+    odd = split % 2 if needs.margin else 0      # whether rows are exchanged
     options, height, kinds = OPTIONS[needs], needs.tile_height, needs.tile_rows
     size, rows = needs.window, needs.box_rows
     across, down = 2 << split, kinds * (options.sets >> split)
@@ -108,6 +110,8 @@ def test_any_window_in_one_clock(needs, word_bytes, split):
     async def bench(ctx):
         ctx.set(tiles.split, split)
         ctx.set(tiles.load, 1)
+        if needs.margin:
+            ctx.set(tiles.odd_rows, odd)
         for ty in range(down):
             for tx in range(across):
                 slot = ((tx & 1) | ty % kinds << 1) * options.sets + set_of(tx, ty)
@@ -130,7 +134,7 @@ def test_any_window_in_one_clock(needs, word_bytes, split):
                                 "odd_tile": {"x": tx & 1, "y": ty % kinds},
                                 "row": y % height, "word": (x & 15) // word_bytes})
             await ctx.tick().repeat(tiles.latency)
-            window = [[ctx.get(tiles.samples[(y + j) % rows][(x + i) % (2 * word_bytes)])
+            window = [[ctx.get(tiles.samples[(y + j) % rows ^ odd][(x + i) % (2 * word_bytes)])
                        for i in range(size)] for j in range(size)]
             assert window == frame[y:y + size, x:x + size].tolist(), (x, y)
 
@@ -177,14 +181,16 @@ def test_windows_are_cut_from_the_samples(needs, word_bytes):
                             "after": int(rng.integers(0, 2))} for name in "xy"}
             for name, edge in edges.items() if needs.margin else ():
                 ctx.set(getattr(align, f"edge_{name}"), edge)
-            flip = int(rng.integers(0, 2)) if needs.margin else 0
+            odd = int(rng.integers(0, 2)) if needs.margin else 0
             if needs.margin:
-                ctx.set(align.flip, flip)
+                ctx.set(align.odd_rows, odd)
             await ctx.tick().repeat(1 + align.latency)
+            window = np.array([[block[(y - needs.margin + inside(j, edges["y"])) % rows ^ odd,
+                                      (x - needs.margin + inside(i, edges["x"])) % columns]
+                                for i in range(needs.window)] for j in range(needs.window)])
+            if needs.margin:
+                window = turned(window, {"x": x % 2, "y": (y + odd) % 2})
             assert [ctx.get(sample) for sample in align.o] == [
-                block[(y - needs.margin + inside(j, edges["y"])) % rows,
-                      (x - needs.margin + inside(needs.window - 1 - i if flip else i, edges["x"]))
-                      % columns]
-                for j, i in needs.samples], (x, y, edges, flip)
+                window[j, i] for j, i in needs.samples], (x, y, edges, odd)
 
     run_bench(align, cut)

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from fetchers import flipped, turned
 from ncdc_hdl.backend.bilinear import Bilinear
 from ncdc_hdl.backend.directional import Crest, Direction, DirectionalPoints
 from ncdc_hdl.backend.gradient import GradientPoints
@@ -20,10 +21,10 @@ LARGEST = {GRADIENT: (28, 12), DIRECTIONAL: (36, 20)}
 both = pytest.mark.parametrize("needs", GATEWARE, ids=lambda each: each.name)
 
 
-def used(needs, window, flipped=False):
-    """The samples of a window that the interpolation takes; its columns reversed if ``flipped``."""
+def used(needs, window):
+    """The samples of a window that the interpolation takes."""
     rows, columns = zip(*needs.samples)
-    return (window[:, ::-1] if flipped else window)[rows, columns].tolist()
+    return window[rows, columns].tolist()
 
 
 def extremes(column, row):
@@ -61,13 +62,13 @@ def test_corners_equal_model_in_every_phase(needs, column, row):
     windows = extremes(column, row)
     dut = GATEWARE[needs]()
 
-    chroma_first, blue_first = column == row, row == 1
+    flip = flipped(0, 0, (column, row))
     got = run_pipeline(dut, list(windows), lambda ctx, window: ctx.set(
-        dut.samples, used(needs, window, chroma_first)), lambda: list(dut.o))
+        dut.samples, used(needs, turned(window, flip))), lambda: list(dut.o))
     corners = np.array(got).reshape(-1, 2, 2, 3)
     for window, corner in zip(windows, corners):
-        corner = corner[:, ::-1] if chroma_first else corner
-        np.testing.assert_array_equal(corner[..., ::-1] if blue_first else corner,
+        corner = turned(corner.transpose(2, 0, 1), flip).transpose(1, 2, 0)
+        np.testing.assert_array_equal(corner if column else corner[..., ::-1],
                                       MODEL[needs](window, 0, 0, (column, row)))
     high, low = LARGEST[needs]
     assert corners.max() <= high * 255 and corners.min() >= -low * 255
@@ -102,14 +103,14 @@ def test_bilinear_equals_model_and_clamps(needs, f_bits):
     last = (1 << f_bits) - 1
     fractions = rng.integers(0, last + 1, (400, 2))
     fractions[:5] = [[0, 0], [0, 0], [last, last], [last, 0], [0, last]]
-    turned = rng.integers(0, 2, 400)
+    flips = [{"x": int(x), "y": int(y)} for x, y in rng.integers(0, 2, (400, 2))]
     dut = Bilinear(f_bits, needs, GATEWARE[needs]().signature.members["o"].shape)
 
     def drive(ctx, k):
-        fx = int(fractions[k, 0])
-        ctx.set(dut.i, corners[:, ::-1 if turned[k] else 1, :, k].ravel().tolist())
-        ctx.set(dut.fx, (1 << f_bits) - fx if turned[k] else fx)
-        ctx.set(dut.fy, int(fractions[k, 1]))
+        points = turned(corners[..., k].transpose(2, 0, 1), flips[k]).transpose(1, 2, 0)
+        ctx.set(dut.i, points.ravel().tolist())
+        for axis, f in zip("xy", fractions[k].tolist()):
+            ctx.set(getattr(dut, f"f{axis}"), (1 << f_bits) - f if flips[k][axis] else f)
         if needs == DIRECTIONAL:
             ctx.set(dut.crest, 32)      # no crest: the half of the rounding alone
 
@@ -150,11 +151,10 @@ def test_stream_equals_model(needs, gap, stall, mono, crest):
     windows, fractions = rng.integers(0, 256, (count, 6, 6)), rng.integers(0, 1024, (count, 2))
     origins, blank = rng.integers(0, 2, (count, 2)), rng.random(count) < .2
     fill, phase = 0x123456, (1, 0)
-    turned = 1 - (origins.sum(1) + sum(phase)) % 2
-    items = [{"samples": used(needs, windows[k], turned[k]), "flipped": int(turned[k]),
-              "odd_row": int(origins[k, 1]), "fx": int(fractions[k, 0]),
-              "fy": int(fractions[k, 1]), "blank": int(blank[k]), "first": k == 0,
-              "last": k == count - 1} for k in range(count)]
+    flips = [flipped(x, y, phase) for x, y in origins.tolist()]
+    items = [{"samples": used(needs, turned(windows[k], flips[k])), "flipped": flips[k],
+              "fx": int(fractions[k, 0]), "fy": int(fractions[k, 1]), "blank": int(blank[k]),
+              "first": k == 0, "last": k == count - 1} for k in range(count)]
     dut, got = Interpolator(F, interpolation=needs, window_latency=int(30 * gap)), []
 
     async def source(ctx):

@@ -8,7 +8,7 @@ from memory import read_agent
 from ncdc_spec.interpolation import FAST
 from pipelines import put, receive, run_bench
 
-__all__ = ["BASE", "Pauses", "check_windows", "flipped"]
+__all__ = ["BASE", "Pauses", "check_windows", "flipped", "turned"]
 
 BASE = 64       # byte address of the raw frame
 
@@ -26,8 +26,13 @@ class Pauses:
 
 
 def flipped(x0, y0, phase):
-    """Whether the window at (x0, y0) comes right to left: its first point is not green."""
-    return 1 - (x0 + y0 + phase[0] + phase[1]) % 2
+    """How the window at (x0, y0) comes: its even columns are even ones, and green in even rows."""
+    return {"x": x0 % 2, "y": 1 - (y0 + phase[0] + phase[1]) % 2}
+
+
+def turned(window, flip):
+    """The window, reflected as ``flip`` says."""
+    return window[..., ::-1 if flip["y"] else 1, ::-1 if flip["x"] else 1]
 
 
 def _edge(first, size, needs):
@@ -85,12 +90,12 @@ def check_windows(dut, raw, positions, rng, pauses, *, margin=64, needs=FAST, wi
         assert (window.first, window.last) == (k == 0, k == count - 1)
         if not blank[k]:
             window_samples = framed[y0[k]:y0[k] + needs.window, x0[k]:x0[k] + needs.window]
-            assert window.odd_row == y0[k] & 1
             if needs.margin:
-                assert window.flipped == flipped(x0[k], y0[k], phase), f"window {k}"
-                window_samples = window_samples[:, ::-1] if window.flipped else window_samples
+                flip = flipped(x0[k], y0[k], phase)
+                assert (window.flipped.x, window.flipped.y) == (flip["x"], flip["y"]), f"window {k}"
+                window_samples = turned(window_samples, flip)
             else:
-                assert window.odd_column == x0[k] & 1
+                assert (window.odd_column, window.odd_row) == (x0[k] & 1, y0[k] & 1)
             expected = [window_samples[j, i] for j, i in needs.samples]
             assert list(window.samples) == expected, f"window {k}"
     return sum(fetched), logs

@@ -28,8 +28,8 @@ class _Align(wiring.Component):
 
     for each (j, i) of ``interpolation.samples``.
 
-    Timing: ``latency`` clocks from the samples to ``o``. All but ``take`` and the samples comes a
-    clock before the samples that it belongs to.
+    Timing: ``latency`` clocks from the samples to ``o``. Position and edges come a clock before the
+    samples that they belong to.
 
     Members
     -------
@@ -40,8 +40,8 @@ class _Align(wiring.Component):
         Low bits of the sample of the first point.
     edge_x, edge_y : ``In(edge_layout(interpolation))``
         Missing columns and rows, for windows with a margin.
-    flip : ``In(1)``
-        Whether the columns come right to left, for windows with a margin.
+    odd_rows : ``In(1)``
+        Whether the even rows of the samples are odd ones, see ``Tiles``, for windows with a margin.
     o : ``Out(ArrayLayout(8, n))``
     """
 
@@ -55,7 +55,7 @@ class _Align(wiring.Component):
             "y": In(ceil_log2(interpolation.box_rows)),
             "o": Out(data.ArrayLayout(8, len(interpolation.samples))),
         } | {name: In(layout) for name, layout in layouts.items()}
-            | ({"flip": In(1)} if layouts else {}))
+            | ({"odd_rows": In(1)} if layouts else {}))
 
 
 class Align(_Align):
@@ -84,13 +84,13 @@ class Align(_Align):
 class AlignMirrored(_Align):
     __doc__ = _Align.__doc__ + """
     Windows with a margin, whose samples outside the frame are mirrored about its first or last
-    column or row. Eight neighbouring columns, and rows, hold a window, so that of the two bytes, or
-    four, whose columns are the same modulo 8, one is enough. A sample and its mirror image are an
-    even number of positions apart. Once the positions have been rotated by the lowest bit of the
-    window's first row, each row is one of four. The first stage chooses bytes and rotates the
-    rows by one or not, the second one chooses rows; the third and the fourth do so with columns.
-    Each stage chooses from at most four bits for each bit, or eight in the first one of four
-    bytes: this fits a look-up table of common devices.
+    column or row. A sample and its mirror image are an even number of positions apart. Windows come
+    reflected, so that their even columns are even ones of the frame, and their even rows
+    even ones of the samples. Eight neighbouring columns, and rows, hold a window: each sample of it
+    is in one of four columns and one of four rows. The first stage chooses, of the columns that are
+    the same modulo 8, one; the second one rows, the third one columns. Each chooses from
+    at most four bits for each bit: this fits a look-up table of common devices. The last stage
+    chooses nothing: it is where windows wait.
     """
 
     latency = 4
@@ -106,53 +106,44 @@ class AlignMirrored(_Align):
         across = COLUMNS * self.word_bytes // ring      # rings side by side in the samples
         column, row = Signal(bits + ceil_log2(across)), Signal(bits)
         m.d.comb += [column.eq(self.x - needs.margin), row.eq(self.y - needs.margin)]
-        # Stage 1: of both words, the columns from the window's first one on; rows by one or not.
-        bytes_of = [[] for _ in self.samples]
-        s_row = staged("s_row", row)
+        # Stage 1: the columns from the window's first one on.
+        near = [[] for _ in self.samples]
         for k in range(ring):
             # Ring that has the window's column k modulo 8.
-            which = Signal(ceil_log2(across), name=f"which{k}", reset_less=True)
-            m.d.sync += which.eq(column[bits:] + (column[:bits] > k if k < ring - 1 else 0))
-            for j in range(ring):
-                values = [chosen(list(samples)[k::ring], which)
-                          for samples in (self.samples[j], self.samples[(j + 1) % ring])]
-                bytes_of[j].append(staged(f"w_{j}{k}", chosen(values, s_row[:1])))
-        w_rows = self._positions(m, "w_row", s_row, staged("s_edge_y", self.edge_y))
-        w_column, w_edge = (delay(m, value, 2, name) for value, name in
-                            ((column[:bits], "column"), (self.edge_x, "edge_x")))
-        w_flip = delay(m, self.flip, 2, "flip")
+            which = staged(f"which{k}", column[bits:] + (column[:bits] > k if k < ring - 1 else 0),
+                           ceil_log2(across))
+            for j, samples in enumerate(self.samples):
+                near[j].append(staged(f"w_{j}{k}", chosen(list(samples)[k::ring], which)))
+        w_rows = self._positions(m, "w_row", staged("s_row", row), staged("s_edge_y", self.edge_y),
+                                 self.odd_rows)
         # Stage 2: the rows.
-        rows = [staged(f"r_{j}", chosen([Cat(each) for each in bytes_of[j % 2::2]], position))
+        rows = [staged(f"r_{j}", chosen([Cat(each) for each in near[j % 2::2]], position))
                 for j, position in enumerate(w_rows)]
-        r_column, r_edge = staged("r_column", w_column), staged("r_edge", w_edge)
-        r_flip, by_one = staged("r_flip", w_flip), staged("by_one", w_column[:1] ^ w_flip)
-        # Stage 3: columns by one or not, as the first one that is put out is even or odd.
-        turned = []
-        for j, value in enumerate(rows):
-            samples = [value.word_select(k, 8) for k in range(ring)]
-            turned.append([staged(f"c_{j}{k}", chosen(
-                [samples[k], samples[(k + 1) % ring]], by_one)) for k in range(ring)])
-        c_columns = self._positions(m, "c_column", r_column, r_edge, r_flip)
-        # Stage 4: the columns.
+        r_columns = self._positions(m, "r_column", delay(m, column[:bits], 2, "column"),
+                                    delay(m, self.edge_x, 2, "edge_x"))
+        # Stage 3: the columns.
         for k, (j, i) in enumerate(needs.samples):
+            values = [rows[j].word_select(n, 8) for n in range(i % 2, ring, 2)]
+            sample = staged(f"c_{j}{i}", chosen(values, r_columns[i]))
             with m.If(self.take):
-                m.d.sync += self.o[k].eq(chosen(turned[j][i % 2::2], c_columns[i]))
+                m.d.sync += self.o[k].eq(sample)
         return m
 
-    def _positions(self, m, name, first, edge, flip=Const(0)):
+    def _positions(self, m, name, first, edge, odd=Const(0)):
         """For each column or row of the window, its position among four, a clock later.
 
-        ``first``: where the window begins, modulo 8. ``flip``: whether they come in reverse.
+        ``first``: where the window begins, modulo 8. It is reflected unless ``odd`` says that this
+        is odd.
         """
         found, last = [], self.interpolation.window - 1
-        # In reverse, all of them have the other parity.
-        begin = Signal(len(first) - 1, name=f"{name}_begin")
-        m.d.comb += begin.eq((first + flip) >> 1)
+        reflected = Signal(name=f"{name}_reflected")
+        m.d.comb += reflected.eq(first[0] ^ odd)
         for k in range(last + 1):
-            position = Signal(len(begin), name=f"{name}{k}_position")
-            inside = Mux(flip, self._inside(last - k, edge)[1:] - k % 2,
-                         self._inside(k, edge)[1:])
-            m.d.comb += position.eq(begin + inside)
+            position = Signal(len(first) - 1, name=f"{name}{k}_position")
+            inside = Mux(reflected, self._inside(last - k, edge)[1:], self._inside(k, edge)[1:])
+            # Both first and the column inside are odd: a carry.
+            carry = first[0] & (~reflected if k % 2 else reflected)
+            m.d.comb += position.eq(first[1:] + inside + carry)
             found.append(register(m, f"{name}{k}", position))
         return found
 

@@ -152,5 +152,7 @@ class Cache(wiring.Component):
             m.d.comb += [retire.enters.eq(group.valid & group.ready),
                          *lanes_set_to(retire.group, group.p)]
         if self.options.interpolation.margin:
-            m.d.comb += retire.phase.eq(self.phase)
+            # So the windows' even columns and even rows meet in green samples.
+            odd_rows = ~self.phase.xor()
+            m.d.comb += [tiles.odd_rows.eq(odd_rows), retire.odd_rows.eq(odd_rows)]
         return m

@@ -54,8 +54,8 @@ class Retire(wiring.Component):
         The oldest look-up reads its samples in this clock: its tiles may be replaced.
     waiting : ``Out(1)``
         The oldest look-up waits for a tile.
-    phase : ``In(2)``
-        (column, row) parity of the red samples, constant during a frame, for windows with a margin.
+    odd_rows : ``In(1)``
+        As of :class:`Tiles`, for windows with a margin.
     load, box, samples :
         As in :class:`Tiles`: the look-up at the queue's end becomes the oldest one.
     o : ``Out(Credited(window_layout(f_bits, lanes, ...)))``
@@ -90,7 +90,7 @@ class Retire(wiring.Component):
             "samples": In(samples_layout(word_bytes, options.interpolation)),
             "o": Out(Credited(window_layout(f_bits, lanes, options.interpolation))),
         } | ({"enters": In(1), "group": In(self.lanes_shape)} if lanes > 1 else {})
-            | ({"phase": In(2)} if options.interpolation.margin else {}))
+            | ({"odd_rows": In(1)} if options.interpolation.margin else {}))
 
     @property
     def retire_to_window(self):
@@ -240,18 +240,15 @@ class Retire(wiring.Component):
             ]
             with m.If(take):
                 m.d.sync += [
-                    out.odd_row.eq(w.lane[k].y), out.fx.eq(w.lane[k].fx),
-                    out.fy.eq(w.lane[k].fy), out.blank.eq(w.lane[k].blank)]
+                    out.fx.eq(w.lane[k].fx), out.fy.eq(w.lane[k].fy),
+                    out.blank.eq(w.lane[k].blank)]
                 if self.options.interpolation.margin:
-                    m.d.sync += out.flipped.eq(self._flipped(w.lane[k]))
+                    m.d.sync += [out.flipped.x.eq(w.lane[k].x),
+                                 out.flipped.y.eq(w.lane[k].y[0] ^ self.odd_rows)]
                 else:
-                    m.d.sync += out.odd_column.eq(w.lane[k].x)
+                    m.d.sync += [out.odd_column.eq(w.lane[k].x), out.odd_row.eq(w.lane[k].y)]
             if self.options.interpolation.margin:
-                m.d.comb += align.flip.eq(self._flipped(ahead.lane[k]))
-
-    def _flipped(self, lane):
-        """Whether the sample of a lane's first point is red or blue."""
-        return ~(lane.x[0] ^ lane.y[0] ^ self.phase.xor())
+                m.d.comb += align.odd_rows.eq(self.odd_rows)
 
     @staticmethod
     def _enough(balance):

@@ -49,8 +49,9 @@ def box_layout(options, word_bytes):
 def samples_layout(word_bytes, interpolation):
     """The samples of a box, as the banks output them.
 
-    Row r is the one of the box whose y is r modulo ``interpolation.box_rows``. Byte k of a row is
-    the sample whose x is k modulo ``2 word_bytes``.
+    Row r is the one of the box whose y is r modulo ``interpolation.box_rows``, or r ^ 1 with
+    ``odd_rows``, see :class:`Tiles`. Byte k of a row is the sample whose x is k modulo
+    ``2 word_bytes``.
     """
     return data.ArrayLayout(data.ArrayLayout(8, COLUMNS * word_bytes), interpolation.box_rows)
 
@@ -81,6 +82,9 @@ class Tiles(wiring.Component):
     -------
     split : ``In``
         log2 Kx of the index rule, constant during a frame.
+    odd_rows : ``In(1)``
+        Whether odd rows are in the banks of even ones, and these in theirs: of the bank, y mod M is
+        exclusive-ored with it. Constant during a frame, for windows with a margin.
     fill : ``In(fill_layout(...))``
     load, box : ``In(1)``, ``In(box_layout(...))``
         A box, taken while ``load`` is high; its samples are read in each clock until the next one.
@@ -96,7 +100,7 @@ class Tiles(wiring.Component):
             "fill": In(fill_layout(options, word_bytes)),
             "load": In(1), "box": In(box_layout(options, word_bytes)),
             "samples": Out(samples_layout(word_bytes, options.interpolation)),
-        })
+        } | ({"odd_rows": In(1)} if options.interpolation.margin else {}))
 
     def elaborate(self, platform):
         m = Module()
@@ -115,9 +119,12 @@ class Tiles(wiring.Component):
         odd_y = Signal.like(box.odd_tile.y)
         lower = Signal(needs.box_rows)
         begin = Cat(box.row, box.odd_tile.y[:bank_bits])    # row modulo M in which it begins
+        odd_rows = self.odd_rows if needs.margin else Const(0)
+        passed = [*(begin > row for row in range(needs.box_rows - 1)), Const(0)]
         with m.If(self.load):
             m.d.sync += [first.eq(box.set), following.eq(box.next_set), odd_y.eq(box.odd_tile.y),
-                         lower.eq(Cat(begin > row for row in range(needs.box_rows - 1)))]
+                         lower.eq(Cat(Mux(odd_rows, passed[row ^ 1], passed[row])
+                                      for row in range(needs.box_rows)))]
         mask_x = Signal(sets)
         m.d.sync += mask_x.eq((1 << self.split) - 1)
         # Without reset, so that they may be the memories' own output registers.
@@ -135,7 +142,7 @@ class Tiles(wiring.Component):
                 m.d.comb += [
                     write.addr.eq(Cat(fill.word, fill_column, fill_row[bank_bits:])),
                     write.data.eq(fill.data[column]),
-                    write.en.eq(fill.enable[column] & (Cat(fill.row, fill_row[:bank_bits]) == row)
+                    write.en.eq(fill.enable[column] & (Cat(fill.row ^ odd_rows, fill_row[:bank_bits]) == row)
                                 & ((fill.slot[sets] == column) if whole else 1)),
                 ]
                 address = Signal(len(read.addr), reset_less=True, name=f"address{row}{column}")

@@ -410,21 +410,21 @@ private:
                      == (((group.number >> kFraction) ^ k) & mask);
             right &= bits(window, O_BLANK + at, 1) == p.blank;
             if (p.blank) continue;
-            right &= bits(window, O_ODD_ROW + at, 1) == (p.y & 1);
 #if NCDC_MARGIN
-            // The sample of the first point is red or blue: right to left.
-            const bool flipped = !((p.x ^ p.y ^ f.phase ^ f.phase >> 1) & 1);
-            right &= bits(window, O_FLIPPED + at, 1) == flipped;
+            // Even columns are even ones of the frame; where they meet even rows, samples are green.
+            const bool left = p.x & 1, up = !((p.y ^ f.phase ^ f.phase >> 1) & 1);
+            right &= bits(window, O_FLIPPED + at, 2) == (left | up << 1);
 #else
-            const bool flipped = false;
+            const bool left = false, up = false;
             right &= bits(window, O_ODD_COLUMN + at, 1) == (p.x & 1);
+            right &= bits(window, O_ODD_ROW + at, 1) == (p.y & 1);
 #endif
             int n = 0;
             for (int j = 0; j < kCore + 2 * kMargin; j++) {
                 for (int i = 0; i < kCore + 2 * kMargin; i++) {
                     if (away(j) + away(i) > kMargin) continue;
-                    const int below = static_cast<int>(p.y) - kMargin + j;
-                    const int across = static_cast<int>(p.x) + (flipped ? kAfter - i : i - kMargin);
+                    const int below = static_cast<int>(p.y) + (up ? kAfter - j : j - kMargin);
+                    const int across = static_cast<int>(p.x) + (left ? kAfter - i : i - kMargin);
                     const std::uint32_t row = inside(below, f.height);
                     const std::uint32_t column = inside(across, f.width);
                     right &= bits(window, O_SAMPLES + at + 8 * n++, 8) == balanced(row, column);
