@@ -16,8 +16,9 @@ PAIRS = {"H": ((0, -1), (0, 1)), "V": ((-1, 0), (1, 0)), "Q": ((0, -2), (0, 2)),
 class WindowDecoder(wiring.Component):
     """Base of the decoders: four colours from the samples of a window.
 
-    The window comes reflected where it must be for the first point to be green. So each kernel has its fixed points. The samples of a pair are added once for
-    all points that have it, though for some it is D0 and for others H.
+    The window comes reflected where it must be for the first point to be green. So each kernel has
+    its fixed points. The samples of a pair are added once for all points that have it, though for
+    some it is D0 and for others H.
 
     A subclass has ``latency`` and the methods ``_at_green(m, name, sums)`` and
     ``_at_chroma(m, name, sums)``. Each takes a point's sample ``c`` and the sums of its pairs, of

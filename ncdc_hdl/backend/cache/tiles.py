@@ -120,6 +120,8 @@ class Tiles(wiring.Component):
         lower = Signal(needs.box_rows)
         begin = Cat(box.row, box.odd_tile.y[:bank_bits])    # row modulo M in which it begins
         odd_rows = self.odd_rows if needs.margin else Const(0)
+        fill_bank = Cat(fill.row ^ odd_rows, fill_row[:bank_bits])
+        # Of each row modulo M, whether the box begins after it.
         passed = [*(begin > row for row in range(needs.box_rows - 1)), Const(0)]
         with m.If(self.load):
             m.d.sync += [first.eq(box.set), following.eq(box.next_set), odd_y.eq(box.odd_tile.y),
@@ -142,7 +144,7 @@ class Tiles(wiring.Component):
                 m.d.comb += [
                     write.addr.eq(Cat(fill.word, fill_column, fill_row[bank_bits:])),
                     write.data.eq(fill.data[column]),
-                    write.en.eq(fill.enable[column] & (Cat(fill.row ^ odd_rows, fill_row[:bank_bits]) == row)
+                    write.en.eq(fill.enable[column] & (fill_bank == row)
                                 & ((fill.slot[sets] == column) if whole else 1)),
                 ]
                 address = Signal(len(read.addr), reset_less=True, name=f"address{row}{column}")
