@@ -30,6 +30,7 @@ __all__ = ["Packetiser"]
 _BURST = 16         # words of a read
 _PACKETS = 2        # most packets being built or waiting
 _DEFAULT = 1456     # bytes of a payload, after a reset
+_FIRST_TIME = -4096 % (1 << 32)     # any will do: the counter wraps soon, within each simulation
 _AT = {register.name: register.address for register in LINK}
 _STATE = data.StructLayout({
     "sending": 1, "resending": 1,       # packets wait or are being sent
@@ -157,12 +158,12 @@ class Packetiser(wiring.Component):
         ]
         with m.If(orders.set & (register == _AT["LINK_NUMBER_FIELD"])):
             m.d.sync += Cat(builder.field_byte, builder.field_bytes).eq(engine.sum)
-        # Bits of the registers.
+        # Bits of the registers that are written.
         low = {"LINK_BASE": exact_log2(self.data_width // 8)}
         wide = {r.name: r.shape.width for r in LINK if r.access == "rw"} | {
             "LINK_RESEND_LAST": NUMBER_BITS}
-        m.d.comb += engine.mask.eq(Cat(
-            _any(register, [_AT[name] for name in wide if low.get(name, 0) <= k < wide[name]])
+        m.d.comb += engine.mask.eq(~Cat(
+            _any(register, [_AT[name] for name in wide if not low.get(name, 0) <= k < wide[name]])
             for k in range(32)))
 
     @staticmethod
@@ -288,7 +289,7 @@ class Packetiser(wiring.Component):
     def _times(self, m, engine, builder, queue):
         """The time counter, the pause between packets, and the waiting time of packets."""
         conditions, orders = engine.conditions, engine.orders
-        now = Signal(32)
+        now = Signal(32, init=_FIRST_TIME)
         delayed = Signal()                  # LINK_DELAY != 0
         held = Signal()                     # the pause is not over
         waits = builder.open & queue.idle & ~held

@@ -21,7 +21,7 @@ class WordReader(wiring.Component):
     burst : int
         Most words of a command.
     limit : int
-        As in :class:`ReadCommands`.
+        As in :class:`ReadCommands`, with words of 32 bits; longer ones are limited here.
 
     Members
     -------
@@ -43,8 +43,8 @@ class WordReader(wiring.Component):
 
     def elaborate(self, platform):
         m = Module()
-        m.submodules.commands = commands = ReadCommands(self.data_width, self.burst,
-                                                        limit=self.limit)
+        limit = self.limit if self.data_width == 32 else 2 * self.burst
+        m.submodules.commands = commands = ReadCommands(self.data_width, self.burst, limit=limit)
         connect(m, commands.bus, flipped(self.bus))
         m.d.comb += commands.memory_rst.eq(self.memory_rst)
         if self.data_width == 32:

@@ -68,6 +68,8 @@ class ProgramRunner(wiring.Component):
 
     def __init__(self, programs, address_bits, *, retry_clocks):
         self.retry_clocks = retry_clocks
+        self.longest = max([retry_clocks, *(word for program in programs
+                                            for op, _, word in program if op == Op.PAUSE)])
         step = Step(address_bits)
         self.layout = step.layout
         self.words, self.starts = [], []
@@ -87,7 +89,7 @@ class ProgramRunner(wiring.Component):
         read = memory.read_port()
         index = Signal(range(depth))            # address of the next step
         begun = Signal(range(depth))            # address of the first step of the program
-        left = Signal(32)                       # clocks of a pause
+        left = Signal(range(self.longest + 1))  # clocks of a pause
         found = Signal()                        # result of the last LOOK
         step = Signal(self.layout)
         access = self.access

@@ -4,7 +4,9 @@ from dataclasses import dataclass
 from fractions import Fraction
 
 from ncdc_hdl.export.verilog import module_verilog
-from ncdc_sim.runner import HDL, build_bench, results_of
+from ncdc_sim.runner import HDL, build_bench, command_of
+from ncdc_sim.tools import SimulationError
+from ncdc_sim.transcript import transcribed
 
 __all__ = ["ALONE", "ANYWHERE", "CORRECTOR", "Host", "ONWARDS", "SDRAM_CONTROLLER", "SILENT",
            "chip_parameters", "run_sdram", "sdram_results"]
@@ -64,7 +66,7 @@ def run_sdram(controller, hosts, *, clocks, clock_hz, simulator="verilator", **s
     settings
         ``seed``; ``resets``, mean clocks between two; ``times``, changed times of the chip's model
         in ps, by the names of its parameters; ``verilog``, the controller's text, made if absent;
-        ``more``, further plusargs.
+        ``transcripts``, a list to which the run's transcript is added.
 
     Returns
     -------
@@ -85,7 +87,7 @@ def run_sdram(controller, hosts, *, clocks, clock_hz, simulator="verilator", **s
     defines = {"NCDC_READS": controller.count, "NCDC_DATA": mapping.data_width,
                "NCDC_BURST": mapping.max_burst, "NCDC_COLUMNS": mapping.column_bits,
                "NCDC_ROWS": mapping.chip.row_bits, "NCDC_BEATS": mapping.beats}
-    names = ("sdram_chip.v", "avalon_checker.v", "sdram_bench.v")
+    names = ("sdram_chip.v", "avalon_checker.v", "digest.v", "sdram_bench.v")
     verilog = settings.get("verilog") or module_verilog(controller, SDRAM_CONTROLLER)
     sources = [("controller.v", verilog),
                ("sdram_dut.v", _dut(controller, parameters)),
@@ -97,26 +99,50 @@ def run_sdram(controller, hosts, *, clocks, clock_hz, simulator="verilator", **s
     plusargs |= {name: "".join(f"{getattr(host, field):02x}" for host in reversed(hosts))
                  for name, field in (("kind", "kind"), ("gap", "gap"), ("least", "min_words"),
                                      ("most", "max_words"))}
-    found = sdram_results(program, plusargs, settings.get("more", ()))
+    found = sdram_results(program, plusargs, settings.get("transcripts"))
     for name in ("words", "longest"):
         found[name] = [found.pop(f"{name}{k}") for k in range(len(hosts))]
     return found
 
 
-def sdram_results(program, plusargs, more=()):
+def sdram_results(program, plusargs, transcripts=None):
     """Numbers of a bench with the chip's model, and ``rules``, the set of rules violated.
 
-    ``more``: further plusargs, as text.
+    ``transcripts``: a list to which the run's transcript is added.
     """
-    rules = set()
+    rules, found = set(), {}
 
-    def hear(kind, *values):
+    def hear(line):
+        kind, *values = line.split() or [""]
         if kind == "SDRAM-VIOLATION":
             rules.add(values[0])
         elif kind == "AVALON-ERROR":
             rules.add(f"avalon {values[1]}")
+        elif kind == "RESULT":
+            found[values[0]] = int(values[1])
 
-    return results_of(program, plusargs, hear, more) | {"rules": rules}
+    transcribed([*command_of(program), *(f"+{name}={value}" for name, value in plusargs.items())],
+                hear, transcripts)
+    if not found:
+        raise SimulationError("the simulation ended without a result")
+    return found | {"rules": rules}
+
+
+def _digest(mapping, reads):
+    """Verilog of the hash of the controller's outputs, as far as they are valid."""
+    data, chip = mapping.data_width, mapping.chip
+    address = max(chip.row_bits, 11)
+    outputs = [("ready", 1), ("cke", 1), ("cs_n", 1), ("dqm", chip.data_bits // 8),
+               (f"cs_n ? {address + 5}'d0 : {{ba, a, ras_n, cas_n, we_n}}", address + 5),
+               ("dq_oe", 1), (f"dq_oe ? dq_c : {chip.data_bits}'d0", chip.data_bits),
+               ("write_waitrequest & write_write", 1), ("read_waitrequest & read_read", reads),
+               ("read_readdatavalid", reads)]
+    outputs += [(f"read_readdatavalid[{k}] ? read_readdata[{data * k} +: {data}] : {data}'d0", data)
+                for k in range(reads)]
+    bits = sum(width for _, width in outputs)
+    values = ", ".join(text for text, _ in outputs)
+    return (f"digest #(.WORDS({-(-bits // 32)})) digest (.clk(clk), .sum(trace), .value({{"
+            f"{{{-bits % 32}{{1'b0}}}}, {values}}}));")
 
 
 def _dut(controller, parameters):
@@ -149,13 +175,15 @@ module sdram_dut (
     input  wire [{data - 1}:0] write_writedata,
     input  wire [{lanes - 1}:0] write_byteenable,
     output wire write_waitrequest, ready,
-    output wire [31:0] violations, refreshes, refresh_most, beats_read, beats_written
+    output wire [31:0] violations, refreshes, refresh_most, beats_read, beats_written,
+    output wire [63:0] trace
 );
     wire cke, cs_n, ras_n, cas_n, we_n, dq_oe, dq_drives;
     wire [1:0] ba;
     wire [{max(chip.row_bits, 11) - 1}:0] a;
     wire [{chip.data_bits // 8 - 1}:0] dqm;
     wire [{chip.data_bits - 1}:0] dq_c, dq_m;
+    {_digest(mapping, reads)}
     {SDRAM_CONTROLLER} controller ({ports}
         {pins}
         .pins__dq_o(dq_c), .pins__dq_oe(dq_oe),

@@ -10,9 +10,13 @@ from csi2_frames import (
     check_corrupted,
     check_faulty,
     check_reset,
+    check_statuses,
     check_whole,
     corrupted_frames,
     faulty_frames,
+    header_frames,
+    long_frames,
+    odd_frames,
     received,
     reset_frames,
     whole_frames,
@@ -39,6 +43,29 @@ NOT_OF = {("too much skew", 1), ("a header is cut", 4)}
 def test_each_fault_is_counted_and_the_next_frame_is_right(fault, lanes):
     wire, frames = faulty_frames(lanes, fault)
     check_faulty(received(wire, DataType.RAW10), fault, frames)
+
+
+LANES = [2, *(pytest.param(lanes, marks=pytest.mark.longer) for lanes in (1, 4))]
+
+
+@pytest.mark.parametrize("lanes", LANES)
+def test_each_bit_and_pair_of_bits_of_a_header(lanes):
+    wire, bad, faults = header_frames(lanes)
+    check_statuses(received(wire, DataType.RAW10), bad, faults)
+
+
+@pytest.mark.parametrize("lanes", LANES)
+@pytest.mark.parametrize("kind", SAMPLE_BITS_OF, ids=lambda kind: kind.name)
+def test_rows_of_any_number_of_bytes(lanes, kind):
+    wire, bad, faults = odd_frames(lanes, kind)
+    check_statuses(received(wire, kind), bad, faults)
+
+
+@pytest.mark.longer
+@pytest.mark.parametrize("lanes", [1, 2, 4])
+def test_rows_of_up_to_65535_bytes(lanes):
+    wire, frames = long_frames(lanes)
+    check_whole(received(wire, DataType.RAW8), frames, DataType.RAW8)
 
 
 def corrupted(lanes, count, seed=1):

@@ -9,11 +9,7 @@ from functools import cache
 
 import pytest
 
-from mutation.cache import DESIGN as CACHE
-from mutation.core import DESIGN as CORE
-from mutation.front import DESIGN as FRONT
-from mutation.nodes import DESIGN as NODES
-from mutation.units import DESIGN as UNITS
+from ncdc_bench.mutation.designs import PlayedBench, designs
 from ncdc_bench.mutation.record import RECORD, RENEW, reports_of
 from ncdc_hdl.export.verilog import module_verilog
 
@@ -26,8 +22,8 @@ def verilog_of(design):
 
 @pytest.mark.longer
 @pytest.mark.parametrize("design,bench", [
-    (design, bench) for design in (CACHE, CORE, FRONT, NODES, UNITS) for bench in design.benches],
-    ids=lambda value: value.name)
+    pytest.param(design, bench, id=f"{design.name}, {bench.name}")
+    for design in designs().values() for bench in design.benches])
 def test_played_bench(design, bench):
     """Right results, and exactly those of the record: pixels, clocks, counters."""
     recorded = json.loads(RECORD.read_text())[design.name].get(bench.name, [])
@@ -35,3 +31,10 @@ def test_played_bench(design, bench):
     assert found == recorded, (
         f"clocks or counters of the bench {bench.name!r} differ from the record; if the gateware "
         f"was to change them, run {RENEW}, and look at git diff")
+
+
+def test_every_bench_is_recorded():
+    recorded = json.loads(RECORD.read_text())
+    assert {name: {*benches} for name, benches in recorded.items()} == {
+        name: {bench.name for bench in design.benches if isinstance(bench, PlayedBench)}
+        for name, design in designs().items()}

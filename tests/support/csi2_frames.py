@@ -1,5 +1,7 @@
 """Frames at the lanes of a CSI-2 receiver: whole ones, each fault planted, corrupted packets."""
 
+from itertools import combinations
+
 import numpy as np
 
 from ncdc_hdl.camera.csi2.receiver import Receiver
@@ -8,11 +10,13 @@ from ncdc_sim.csi2.packets import frame_packets, long_packet, short_packet
 from ncdc_sim.csi2.run import receive
 from ncdc_spec.sensors.csi2 import MAX_SKEW, SAMPLE_BITS_OF, DataType
 
-__all__ = ["FAULTS", "check_corrupted", "check_faulty", "check_reset", "check_whole",
-           "corrupted_frames", "faulty_frames", "received", "reset_frames", "whole_frames"]
+__all__ = ["FAULTS", "check_corrupted", "check_faulty", "check_reset", "check_statuses",
+           "check_whole", "corrupted_frames", "faulty_frames", "header_frames", "long_frames",
+           "odd_frames", "received", "reset_frames", "whole_frames"]
 
 CHANNEL = 2
 GROUPS = {DataType.RAW8: 1, DataType.RAW10: 4, DataType.RAW12: 2}      # samples of a group
+GROUP_BYTES = {DataType.RAW8: 1, DataType.RAW10: 5, DataType.RAW12: 3}
 SKEW = 8 * MAX_SKEW         # bits by which lanes may differ
 _HEIGHT = 5                 # rows of the frames that are corrupted
 
@@ -37,8 +41,8 @@ def random_frame(rng, kind, groups, height):
 def same(frame, sent, kind):
     """Whether a received frame has the rows that were sent, its samples in the upper bits."""
     shift = 12 - SAMPLE_BITS_OF[kind]
-    return ([len(row) for row in frame.rows] == [len(row) for row in sent]
-            and np.array_equal(np.asarray(frame.rows), np.asarray(sent) << shift))
+    return (len(frame.rows) == len(sent)
+            and all(np.array_equal(got, row << shift) for got, row in zip(frame.rows, sent)))
 
 
 def flip(packet, *bits):
@@ -227,6 +231,53 @@ def check_faulty(result, fault, frames):
     assert [frame.bad for frame in result.frames] == statuses
     assert all(same(got, one, DataType.RAW10) for got, one in zip(result.frames, sent)
                if not got.bad)
+
+
+def header_frames(lanes):
+    """A wire with frames, each single bit and each pair of bits of a row's header wrong in one.
+
+    Returns (wire, whether each frame is bad, faults).
+    """
+    rng, kind = np.random.default_rng(lanes), DataType.RAW10
+    wire = resting(lanes, rng)
+    wrong = [*combinations(range(32), 1), *combinations(range(32), 2)]
+    for bits in wrong:
+        packets = frame_packets(random_frame(rng, kind, 1, 2), kind, CHANNEL)
+        send(wire, lanes, row(packets, lambda one, bits=bits: flip(one, *bits)))
+    bad = [len(bits) == 2 for bits in wrong]
+    return wire, bad, {"corrected": bad.count(False), "header": bad.count(True)}
+
+
+def odd_frames(lanes, kind):
+    """A wire with frames, of which the second row has 1, 2, 3, .. bytes, whole groups or not.
+
+    Returns as :func:`header_frames`.
+    """
+    rng, size = np.random.default_rng(lanes), GROUP_BYTES[kind]
+    wire, sizes = resting(lanes, rng), range(1, 3 * lanes * size + 2)
+    for count in sizes:
+        packets = frame_packets(random_frame(rng, kind, 3, 3), kind, CHANNEL)
+        packets[2] = long_packet(CHANNEL, kind, rng.bytes(count))
+        send(wire, lanes, packets)
+    bad = [count % size != 0 for count in sizes]
+    return wire, bad, {"length": sum(bad)} if any(bad) else {}
+
+
+def check_statuses(result, bad, faults):
+    """Each frame came, bad or not, and those faults were counted."""
+    assert [frame.bad for frame in result.frames] == bad
+    assert {name: count for name, count in result.faults.items() if count} == faults
+
+
+def long_frames(lanes):
+    """A wire with a frame of samples of 8 bits whose rows are as long as a packet may be, or set
+    one upper bit each of its length; the frame."""
+    rng, kind = np.random.default_rng(lanes), DataType.RAW8
+    wire = resting(lanes, rng)
+    rows = [random_frame(rng, kind, groups, 1)[0]
+            for groups in (65_535, *((1 << k) + k % 5 for k in range(6, 16)))]
+    send(wire, lanes, frame_packets(rows, kind, CHANNEL))
+    return wire, [rows]
 
 
 def corrupted_frames(lanes, count, seed=1):

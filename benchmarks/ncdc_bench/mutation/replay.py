@@ -14,6 +14,7 @@ __all__ = ["Replay"]
 
 _LIMIT = re.compile(r"\+clock_limit=\d+")
 _TOTAL = re.compile(r"RESULT total_clocks (\d+)")
+_INPUT = "input.txt"
 _MARGIN = 64        # clocks that a mutant gets more than the design; with one more it differs
 
 
@@ -74,14 +75,16 @@ class _Run:
         self._folder = folder
         for name, content in self._transcript.files.items():
             (folder / name).write_bytes(content)
+        (folder / _INPUT).write_text(self._transcript.given)
 
     def difference(self, plusargs):
         """See :meth:`Replay.difference`."""
         for name in self._transcript.written:
             (self._folder / name).unlink(missing_ok=True)
-        with subprocess.Popen([*self._command, *plusargs], cwd=self._folder, env=environment(),
-                              text=True, errors="replace", stdout=subprocess.PIPE,
-                              stderr=subprocess.STDOUT) as process:
+        with (self._folder / _INPUT).open() as given, subprocess.Popen(
+                [*self._command, *plusargs], cwd=self._folder, env=environment(), text=True,
+                errors="replace", stdin=given, stdout=subprocess.PIPE,
+                stderr=subprocess.STDOUT) as process:
             try:
                 found = self._lines(process.stdout)
             except BaseException:       # Ctrl-C too must not leave the simulation running

@@ -1,9 +1,7 @@
 """A CSI-2 receiver's Verilog, run on the lanes of a transmitter."""
 
-import tempfile
 from dataclasses import dataclass
 from functools import cache
-from pathlib import Path
 
 import numpy as np
 from amaranth import *
@@ -13,7 +11,8 @@ from amaranth.lib.wiring import In, Out
 from ncdc_hdl.camera.csi2.layouts import FAULTS, SETTINGS
 from ncdc_hdl.camera.csi2.receiver import Receiver
 from ncdc_hdl.export.verilog import module_verilog
-from ncdc_sim.runner import HDL, build, command_of, run
+from ncdc_sim.runner import HDL, build, command_of
+from ncdc_sim.transcript import transcribed
 from ncdc_spec.sensors.level import SAMPLE_BITS
 
 __all__ = ["RECEIVER", "FlatReceiver", "Frame", "Received", "receive"]
@@ -73,7 +72,7 @@ def _program(verilog):
     return build(RECEIVER, RECEIVER, [(f"{RECEIVER}.v", verilog)], main=HDL / "csi2_main.cpp")
 
 
-def receive(lanes, data, active, *, channel, kind, reset=None, verilog=None, more=()):
+def receive(lanes, data, active, *, channel, kind, reset=None, verilog=None, transcripts=None):
     """What a receiver's Verilog makes of the lanes, in a Verilator model.
 
     Some clocks of low-power mode follow, in which the end of the last frame leaves.
@@ -89,8 +88,8 @@ def receive(lanes, data, active, *, channel, kind, reset=None, verilog=None, mor
         Whether each clock is one of a reset.
     verilog : str, optional
         Text of a :class:`FlatReceiver`, made if absent.
-    more : sequence of str
-        Plusargs.
+    transcripts : list, optional
+        The run's transcript is added to it.
 
     Returns
     -------
@@ -113,12 +112,14 @@ def receive(lanes, data, active, *, channel, kind, reset=None, verilog=None, mor
         words |= np.asarray(reset, np.uint64) << np.uint64(63)
     words = np.append(words, np.zeros(_MORE_CLOCKS, "<u8"))
     settings = SETTINGS.const({"channel": channel, "type": kind}).as_value().value
-    with tempfile.TemporaryDirectory(prefix="ncdc-") as name:
-        folder = Path(name)
-        words.tofile(folder / "inputs")
-        program = _program(verilog or _verilog(lanes))
-        run([*command_of(program), "inputs", "outputs", str(settings), *more], folder)
-        clocks, outputs = np.fromfile(folder / "outputs", "<u8").reshape(-1, 2).T
+    program = _program(verilog or _verilog(lanes))
+    written = transcribed([*command_of(program), "inputs", "outputs", str(settings),
+                           *map(str, (len(_FLAGS), lanes, SAMPLE_BITS))],
+                          lambda line: None, transcripts, files={"inputs": words.tobytes()},
+                          writes=["outputs"])
+    every = np.frombuffer(written["outputs"], "<u8")
+    clocks = np.flatnonzero(every)
+    outputs = every[clocks]
     return _received(lanes, clocks, outputs, reset is not None)
 
 

@@ -73,6 +73,7 @@ module sdram_bench(input wire clk);
     wire                   write_waitrequest;
     wire                   ready;
     wire [31:0]            violations, refreshes, refresh_most, beats_read, beats_written;
+    wire [63:0]            trace;               // a hash of the controller's outputs
 
     sdram_dut dut (
         .clk(clk), .rst(rst), .read_address(read_address), .read_read(read_read),
@@ -82,7 +83,7 @@ module sdram_bench(input wire clk);
         .write_burstcount(write_burstcount), .write_writedata(write_writedata),
         .write_byteenable(write_byteenable), .write_waitrequest(write_waitrequest), .ready(ready),
         .violations(violations), .refreshes(refreshes), .refresh_most(refresh_most),
-        .beats_read(beats_read), .beats_written(beats_written)
+        .beats_read(beats_read), .beats_written(beats_written), .trace(trace)
     );
 
     reg  [63:0]         now, ready_at;          // clocks
@@ -401,6 +402,8 @@ module sdram_bench(input wire clk);
                 $display("RESULT longest%0d %0d", h, longest[h]);
             end
             $display("RESULT port_errors %0d", k);
+            $display("RESULT trace %0d", trace);
+            $display("RESULT total_clocks %0d", now);
             $finish;
         end
     end

@@ -21,6 +21,8 @@
 // The clocks of the system and of the sensor come from the program around this module, each with
 // its own period. Memory that was not written holds 0xA5. SDA and SCL are pulled up.
 //
+// RESULT trace is a hash of all outputs of the system in all clocks, as far as they are valid; so is
+// TRACE, which is printed each time that `trace_every` (plusarg) clocks are over, 0: never.
 // Lines that come unasked: AVALON-ERROR port rule time; SENSOR lines; FAILED reason. Plusarg
 // clock_limit: the run fails in that clock; 0: never.
 //
@@ -52,11 +54,12 @@ module system_bench (
 
     reg rst = 1, module_rst = 1, memory_rst = 1;
     reg sensor_reset_n = 0;
-    reg [31:0] memory_bytes, sink_probability, clock_limit;
+    reg [31:0] memory_bytes, sink_probability, clock_limit, trace_every;
 
     initial begin
         if (!$value$plusargs("clock_limit=%d", clock_limit)) clock_limit = 0;
         if (!$value$plusargs("memory_bytes=%d", memory_bytes)) memory_bytes = 0;
+        if (!$value$plusargs("trace_every=%d", trace_every)) trace_every = 0;
         if (!$value$plusargs("sink_probability=%d", sink_probability)) sink_probability = 256;
         memory.fill(0, memory_bytes, 8'hA5);
     end
@@ -102,6 +105,50 @@ module system_bench (
     wire        stalled = stall != 0;
 `include "bench_buses.vh"
 
+    reg  [31:0] trace_clocks = 1;
+    wire        front_end_idle;
+
+    // The hash of the outputs: commands and answers, first addresses of bursts, bytes that are written.
+    localparam TRACE = 4 + PORTS + DW / 32;     // words
+    reg  [31:0]         trace_left = 0;         // words of a write burst to come
+    wire                trace_first = trace_left == 0;
+    wire [32*TRACE-1:0] traced;
+    wire [63:0]         trace;
+    genvar              t;
+    assign traced[31:0] = csr_readdatavalid ? csr_readdata : 0;
+    assign traced[63:32] = write_write && trace_first ? write_address : 0;
+    assign traced[95:64] = {write_write && trace_first ? write_burstcount : 5'd0, write_write,
+        irq, scl_low, sda_low, front_end_idle, csr_readdatavalid,
+        csr_waitrequest && (csr_read || csr_write)};
+    generate
+        for (t = 0; t < 32; t = t + 1) begin : trace_bit
+            if (t < DW / 8)
+                assign traced[96 + t] = write_write && write_byteenable[t];
+            else if (t - DW / 8 < PORTS)
+                assign traced[96 + t] = read_read[t - DW / 8];
+            else
+                assign traced[96 + t] = 0;
+        end
+        for (t = 0; t < PORTS; t = t + 1) begin : trace_read
+            assign traced[128 + 32*t +: 32] = read_read[t] ?
+                read_address[32*t +: 32] ^ {read_burstcount[BW*t +: BW], {(32-BW){1'b0}}} : 0;
+        end
+        for (t = 0; t < DW / 8; t = t + 1) begin : trace_write
+            assign traced[128 + 32*PORTS + 8*t +: 8] =
+                write_write && write_byteenable[t] ? write_writedata[8*t +: 8] : 0;
+        end
+    endgenerate
+    digest #(.WORDS(TRACE)) digest (.clk(clk), .value(traced), .sum(trace));
+    always @(posedge clk) begin
+        trace_clocks <= trace_clocks == trace_every ? 1 : trace_clocks + 1;
+        if (trace_clocks == trace_every && trace_every != 0)
+            $display("TRACE %0d", trace);
+        if (memory_rst)
+            trace_left <= 0;
+        else if (write_write && !write_waitrequest)
+            trace_left <= (trace_first ? write_burstcount : trace_left) - 1;
+    end
+
 `define NCDC_WRITES
     ncdc_system dut (
         .clk(clk), .rst(module_rst), .memory_rst(memory_rst),
@@ -119,7 +166,7 @@ module system_bench (
         .sensor_data(data),
 `endif
         .scl_low(scl_low), .sda_low(sda_low), .scl(scl), .sda(sda),
-        .front_end_idle(),
+        .front_end_idle(front_end_idle),
 `ifdef NCDC_USB
         `NCDC_READ_PORT(`NCDC_USB),
         .usb_clock(usb_clk), .usb_rxf_n(usb_rxf_n), .usb_txe_n(usb_txe_n),
@@ -232,6 +279,8 @@ module system_bench (
     task ends;
         begin
             counters;
+            $display("RESULT trace %0d", trace);
+            $display("RESULT total_clocks %0d", clocks);
             $display("END %0d", clocks);
             $fflush;
             $finish;

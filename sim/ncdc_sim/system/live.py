@@ -13,18 +13,20 @@ from ncdc_sim.ports import ports_of
 from ncdc_sim.runner import build_bench, command_of, hdl_text
 from ncdc_sim.sensor.verilog import Fault, sensor_sources
 from ncdc_sim.tools import SimulationError, environment
+from ncdc_sim.transcript import Transcript
 from ncdc_sim.waves import Waves, build_options, recorded
 from ncdc_spec.camera_port import AXIS, CameraPort
 from ncdc_spec.errors import InputError
 
 __all__ = ["Clocks", "LiveRun", "LiveSystem"]
 
-_BENCH = ("system_bench.v", "avalon_memory.v", "dram_timing.v", "avalon_checker.v",
+_BENCH = ("system_bench.v", "digest.v", "avalon_memory.v", "dram_timing.v", "avalon_checker.v",
           "stream_checker.v", "ft245_chip.v")
 _END, _WRITE, _READ, _WAIT_IRQ, _WAIT, _SAVE, _RESET, _RESET_ALL, _STALL, _SENSOR, _STREAM, \
     _USB_SEND, _USB_GOT, _COUNT = range(14)
 # With -O2 GCC 12 takes some words of 128 bits of the model for aligned ones, which they are not.
 _OPTIONS = ("-CFLAGS", "-fno-tree-slp-vectorize")
+_TRACE = 1000                  # clocks between two hashes of all outputs, of runs with a transcript
 _TIMEOUT_S = 60                # for a run to end by itself, and to close its waveforms
 _MIN_MEMORY = 1 << 24         # bytes; more frame sizes share one build
 
@@ -61,6 +63,9 @@ class LiveRun:
         Where to write the waveforms; they are complete after the context.
     clock_limit : int
         Clocks after which the run fails; 0: none.
+    transcripts : list, optional
+        The run's :class:`Transcript` is added to it when the context is left. USB and streams are
+        not supported.
     more : sequence of str
         Further plusargs.
     """
@@ -73,6 +78,7 @@ class LiveRun:
     sink_probability: int = 256
     waves: Waves | None = None
     clock_limit: int = 0
+    transcripts: list | None = None
     more: tuple = ()
 
 
@@ -121,6 +127,8 @@ class LiveSystem:
             "memory_bytes": memory_bytes, "seed": run.seed, "clock_limit": run.clock_limit,
             "sink_probability": run.sink_probability, **vars(run.clocks),
             "csi2_lane_hz": 8 * 10**12 // run.clocks.lane_period}
+        if run.transcripts is not None:
+            settings["trace_every"] = _TRACE
         plusargs = [*(f"+{key}={value}" for key, value in settings.items()),
                     *light.plusargs("sensor.bin"), *(run.fault.plusargs() if run.fault else []),
                     *run.more]
@@ -131,8 +139,10 @@ class LiveSystem:
         (self.folder / "sensor.bin").write_bytes(light.data())
         self.now, self.results, self._last = 0, {}, deque(maxlen=20)
         self.sensor_lines = []
+        self._transcripts, self._asked, self._heard = run.transcripts, [], []
+        self._command = [*command_of(binary), *plusargs]
         self._process = subprocess.Popen(
-            [*command_of(binary), *plusargs], cwd=self.folder, env=environment(), text=True,
+            self._command, cwd=self.folder, env=environment(), text=True,
             errors="replace", stdin=subprocess.PIPE, stdout=subprocess.PIPE,
             stderr=subprocess.STDOUT)
         self._stack.push(self._stop)
@@ -176,8 +186,19 @@ class LiveSystem:
         if self._records and (kind is None or issubclass(kind, SimulationError)):
             with suppress(subprocess.TimeoutExpired):
                 self._process.communicate(timeout=_TIMEOUT_S)
+        if kind is None and self._transcripts is not None:
+            self._transcribe()
         self._process.kill()
         self._process.communicate()
+
+    def _transcribe(self):
+        """Add the transcript of the run, which ends."""
+        if not self._asked or self._asked[-1] != _line(_END):
+            self.end()
+        self._heard += self._process.stdout.read().splitlines()
+        self._transcripts.append(Transcript(
+            tuple(self._command), {"sensor.bin": (self.folder / "sensor.bin").read_bytes()},
+            tuple(self._heard), {}, "".join(self._asked)))
 
     def write(self, address, value):
         """Write ``value`` to the register at a word address."""
@@ -238,13 +259,15 @@ class LiveSystem:
 
     def _ask(self, operation, a=0, b=0):
         """Send a command; the words of its answer but for the first and the clocks."""
+        self._asked.append(_line(operation, a, b))
         try:
-            self._process.stdin.write(f"{operation:x} {a:x} {b:x}\n")
+            self._process.stdin.write(self._asked[-1])
             self._process.stdin.flush()
         except BrokenPipeError:
             pass                    # what it printed before it ended says why
         for line in self._process.stdout:
             self._last.append(line.rstrip())
+            self._heard.append(line.rstrip())
             kind, *values = line.split() or [""]
             if kind in ("DONE", "READ", "IRQ", "STREAM", "END"):
                 self.now = int(values[-1])
@@ -258,3 +281,8 @@ class LiveSystem:
                 self.sensor_lines.append((self.now, line.strip()))
         raise SimulationError(f"the simulation has ended with status {self._process.wait()}:\n"
                               + "\n".join(self._last))
+
+
+def _line(operation, a=0, b=0):
+    """A command of ``system_bench.v``."""
+    return f"{operation:x} {a:x} {b:x}\n"

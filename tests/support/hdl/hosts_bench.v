@@ -20,7 +20,9 @@
 // Lines: those, UART byte, ACCESS clock write address word; then RESULT lines. FAILED if the stop bit
 // of a byte is low, two accesses are made at a time, a request changes under waitrequest, or the
 // scripts are not over in clock_limit clocks. Plusargs: wait, clocks of 256 in which the
-// register file takes nothing; latency, most clocks to an answer.
+// register file takes nothing; latency, most clocks to an answer; noise: for so many clocks before the
+// scripts there are resets, a random line, and random accesses and programs. RESULT trace is a hash of all
+// outputs in all clocks.
 
 `timescale 1ns/1ps
 
@@ -28,23 +30,24 @@ module hosts_bench (input wire clk);
     localparam BITS = `NCDC_ADDRESS_BITS;
     localparam DIVISOR = `NCDC_DIVISOR;
 
-    reg [31:0] clock_limit, wait_, latency, random = 32'h2545F491, clocks = 0;
+    reg [31:0] clock_limit, wait_, latency, noise, random = 32'h2545F491, clocks = 0;
     integer serial, jtag, bus, program_, got, k;
     initial begin
         if (!$value$plusargs("clock_limit=%d", clock_limit)) clock_limit = 0;
         if (!$value$plusargs("wait=%d", wait_)) wait_ = 0;
         if (!$value$plusargs("latency=%d", latency)) latency = 1;
+        if (!$value$plusargs("noise=%d", noise)) noise = 0;
         serial = $fopen("serial.txt", "r");
         jtag = $fopen("jtag.txt", "r");
         bus = $fopen("bus.txt", "r");
         program_ = $fopen("program.txt", "r");
-        for (k = 0; k < 1 << BITS; k = k + 1) store[k] = (k * 32'h10001) ^ 32'hA5A5A5A5;
     end
+    wire       begins = clocks > noise + 16;    // the scripts
 
     reg             rst = 1, line = 1, tck = 0, tdi = 0, capture = 0, shift = 0, update = 0;
     wire            send, tdo, busy;
     reg             start = 0;
-    reg  [1:0]      which = 0;
+    reg  [2:0]      which = 0;
     wire [7:0]      failures;
     reg  [BITS-1:0] bus_address = 0;
     reg             bus_read = 0, bus_write = 0;
@@ -67,6 +70,13 @@ module hosts_bench (input wire clk);
         .bus__readdata(readdata), .bus__readdatavalid(valid), .bus__waitrequest(waitrequest)
     );
 
+    // All outputs in all clocks, as far as they are valid.
+    wire [63:0] trace;
+    digest #(.WORDS(4)) digest (.clk(clk), .sum(trace), .value({
+        bus_valid ? bus_readdata : 32'd0, write ? writedata : 32'd0,
+        read || write ? {{(32-BITS){1'b0}}, address} : 32'd0, failures, 17'd0, busy, send, read,
+        write, bus_valid, bus_waitrequest && (bus_read || bus_write), tdo}));
+
     task fail(input [8*40-1:0] reason);
         begin
             $display("FAILED %0s in clock %0d", reason, clocks);
@@ -80,12 +90,16 @@ module hosts_bench (input wire clk);
     reg           due = 0, asked = 0;
     reg [BITS+33:0] request, was = 0;
     reg [31:0]    word;
+    integer       i;
     always @(posedge clk) begin
         clocks = clocks + 1;
         random = random ^ (random << 13);
         random = random ^ (random >> 17);
         random = random ^ (random << 5);
-        rst <= clocks < 8;
+        rst <= clocks < 8 || clocks < noise && random[28:20] == 0
+               || clocks >= noise && clocks < noise + 8;
+        if (clocks == noise + 4)
+            for (i = 0; i < 1 << BITS; i = i + 1) store[i] = (i * 32'h10001) ^ 32'hA5A5A5A5;
         valid <= 0;
         readdata <= random;                 // unless it is an answer
         request = {read, write, address, writedata};
@@ -95,8 +109,9 @@ module hosts_bench (input wire clk);
             asked = (read || write) && waitrequest;
             was = request;
             if ((read || write) && !waitrequest) begin
-                $display("ACCESS %0d %0d %0d %0d", clocks, write, address,
-                         write ? writedata : store[address]);
+                if (clocks >= noise + 8)
+                    $display("ACCESS %0d %0d %0d %0d", clocks, write, address,
+                             write ? writedata : store[address]);
                 word = store[address];
                 if (write) store[address] = writedata;
                 else begin
@@ -111,16 +126,45 @@ module hosts_bench (input wire clk);
                 readdata <= word;
                 due = 0;
             end else if (due) left = left - 1;
+        end else begin
+            due = 0;
+            asked = 0;
         end
         if (hold != 0) hold = hold - 1;
         waitrequest <= random[15:8] < wait_ || hold != 0;
+    end
+
+    // What comes before the scripts.
+    reg n_reading = 0;
+    always @(posedge clk) if (clocks <= noise) begin
+        if (random[3:0] == 0) line <= random[8];
+        if (clocks + 20 * DIVISOR > noise) line <= 1;
+        start <= random[9:0] == 0;
+        which <= random[12:10];
+        if (rst || clocks == noise) begin
+            bus_read <= 0;
+            bus_write <= 0;
+            n_reading = 0;
+        end else if (bus_read || bus_write) begin
+            if (!bus_waitrequest) begin
+                n_reading = bus_read;
+                bus_read <= 0;
+                bus_write <= 0;
+            end
+        end else if (n_reading) n_reading = !bus_valid;
+        else if (random[20:17] == 0) begin
+            bus_address <= {2'b11, random[10 +: BITS-2]};
+            bus_writedata <= random;
+            bus_read <= random[21];
+            bus_write <= !random[21];
+        end
     end
 
     // The serial line: a byte that is sent, and one that comes.
     reg [31:0] s_op = 0, s_a = 0, s_b = 0, s_wait = 0, s_bit = 0, s_part = 0;
     reg        s_asked = 0, s_over = 0;
     reg [9:0]  s_bits = 0;
-    always @(posedge clk) if (clocks > 16 && !s_over) begin
+    always @(posedge clk) if (begins && !s_over) begin
         if (!s_asked) begin
             got = $fscanf(serial, "%h %h %h", s_op, s_a, s_b);
             if (got != 3) s_over = 1;
@@ -149,7 +193,8 @@ module hosts_bench (input wire clk);
     reg [31:0] r_left = 0, r_bit = 0;
     reg [7:0]  r_byte = 0;
     reg        r_on = 0;
-    always @(posedge clk) if (!rst) begin
+    always @(posedge clk) if (rst) r_on = 0;
+    else begin
         if (!r_on) begin
             if (!send) begin
                 r_on = 1;
@@ -162,7 +207,7 @@ module hosts_bench (input wire clk);
             if (r_bit == 0 && send) fail("a start bit is short");
             if (r_bit == 9) begin
                 if (!send) fail("a stop bit is low");
-                $display("UART %02x", r_byte);
+                if (begins) $display("UART %02x", r_byte);
                 r_on = 0;
             end else if (r_bit != 0) r_byte = {send, r_byte[7:1]};
             r_bit = r_bit + 1;
@@ -173,7 +218,7 @@ module hosts_bench (input wire clk);
     reg [31:0] j_op = 0, j_a = 0, j_b = 0, j_wait = 0, j_count = 0;
     reg        j_asked = 0, j_over = 0;
     reg [63:0] j_in = 0, j_out = 0;
-    always @(posedge clk) if (clocks > 16 && !j_over) begin
+    always @(posedge clk) if (begins && !j_over) begin
         if (!j_asked) begin
             got = $fscanf(jtag, "%h %h %h", j_op, j_a, j_b);
             if (got != 3) j_over = 1;
@@ -211,7 +256,7 @@ module hosts_bench (input wire clk);
     // The bus host.
     reg [31:0] b_op = 0, b_a = 0, b_b = 0, b_wait = 0;
     reg        b_asked = 0, b_over = 0, b_reading = 0;
-    always @(posedge clk) if (clocks > 16 && !b_over) begin
+    always @(posedge clk) if (begins && !b_over) begin
         if (!b_asked) begin
             got = $fscanf(bus, "%h %h %h", b_op, b_a, b_b);
             if (got != 3) begin
@@ -253,7 +298,7 @@ module hosts_bench (input wire clk);
     // The programs.
     reg [31:0] p_op = 1, p_a = 0, p_b = 0, p_wait = 0, rests = 0;
     reg        p_asked = 0, p_over = 0;
-    always @(posedge clk) if (clocks > 16) begin
+    always @(posedge clk) if (begins) begin
         start <= 0;
         if (!p_asked && !p_over) begin
             got = $fscanf(program_, "%h %h %h", p_op, p_a, p_b);
@@ -265,7 +310,7 @@ module hosts_bench (input wire clk);
             p_wait = p_wait + 1;
             if (p_op == 0 && !busy && p_wait > 4) begin
                 start <= 1;
-                which <= p_a[1:0];
+                which <= p_a[2:0];
                 p_asked = 0;
             end
             if (p_op == 1 && p_wait >= p_a) p_asked = 0;
@@ -273,7 +318,8 @@ module hosts_bench (input wire clk);
         rests = s_over && j_over && b_over && p_over && !busy ? rests + 1 : 0;
         if (rests > 30 * DIVISOR) begin
             $display("RESULT failures %0d", failures);
-            $display("RESULT clocks %0d", clocks);
+            $display("RESULT trace %0d", trace);
+            $display("RESULT total_clocks %0d", clocks);
             $finish;
         end
         if (clocks == clock_limit) fail("the scripts are not over");

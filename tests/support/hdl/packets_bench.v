@@ -7,11 +7,12 @@
 //   2 a      read it                                     READ value
 //   3 a b    read register b until its bits of a are 0   STATUS value
 //   4 a      wait for a clocks
-//   5 a      reset for a clocks
+//   5 a b    reset for a clocks, of the memory as well if b is 1
 //   6 a      wait for the interrupt                      IRQ
 //
 // Lines: those, RESULT lines at the end, PACKET first-clock last-clock bytes for each packet. FAILED if a packet
-// has a pause, a beat changes while it waits, or the run does not end in clock_limit clocks.
+// has a pause, a beat changes while it waits, or the run does not end in clock_limit clocks. The memory
+// decodes the lower bits of an address only. RESULT trace is a hash of all outputs in all clocks.
 // Plusargs: stall, clocks of 256 in which no beat is taken; clock_limit; those of avalon_memory.
 
 `timescale 1ns/1ps
@@ -31,7 +32,7 @@ module packets_bench (input wire clk);
         memory.load(content, 0, BYTES);
     end
 
-    reg         rst = 1, first_rst = 1, ready = 0;
+    reg         rst = 1, first_rst = 1, memory_rst = 1, ready = 0;
     reg  [9:0]  address = 0;
     reg         read = 0, write = 0;
     reg  [31:0] writedata = 0;
@@ -43,7 +44,7 @@ module packets_bench (input wire clk);
     wire [31:0] memory_errors, bus_errors, csr_errors;
 
     packetiser dut (
-        .clk(clk), .rst(rst), .memory_rst(first_rst), .irq(irq),
+        .clk(clk), .rst(rst), .memory_rst(memory_rst), .irq(irq),
         .csr__address(address), .csr__read(read), .csr__write(write), .csr__writedata(writedata),
         .csr__readdata(readdata), .csr__readdatavalid(readdatavalid),
         .csr__waitrequest(waitrequest),
@@ -53,15 +54,15 @@ module packets_bench (input wire clk);
         .bus__readdatavalid(bus_valid)
     );
     avalon_memory #(.PORTS(1), .DATA_WIDTH(DW), .BURST_WIDTH(5), .BYTES(BYTES)) memory (
-        .clk(clk), .rst(first_rst), .errors(memory_errors),
-        .read_address(bus_address), .read_read(bus_read), .read_burstcount(bus_burstcount),
+        .clk(clk), .rst(memory_rst), .errors(memory_errors),
+        .read_address(bus_address & (BYTES - 1)), .read_read(bus_read), .read_burstcount(bus_burstcount),
         .read_waitrequest(bus_waitrequest), .read_readdata(bus_readdata),
         .read_readdatavalid(bus_valid),
         .write_address(32'd0), .write_write(1'b0), .write_burstcount(5'd1),
         .write_writedata({DW{1'b0}}), .write_byteenable({DW/8{1'b0}}), .write_waitrequest()
     );
     avalon_checker #(.NAME("bus"), .DATA_WIDTH(DW), .BURST_WIDTH(5), .MAX_BURST(16)) bus_checker (
-        .clk(clk), .rst(first_rst), .host_rst(rst), .memory_rst(first_rst),
+        .clk(clk), .rst(first_rst), .host_rst(rst), .memory_rst(memory_rst),
         .address(bus_address), .read(bus_read), .write(1'b0), .burstcount(bus_burstcount),
         .writedata({DW{1'b0}}), .byteenable({DW/8{1'b0}}), .waitrequest(bus_waitrequest),
         .readdatavalid(bus_valid), .errors(bus_errors), .commands(), .beats(), .bytes(), .waits()
@@ -73,6 +74,12 @@ module packets_bench (input wire clk);
         .readdatavalid(readdatavalid), .errors(csr_errors), .commands(), .beats(), .bytes(),
         .waits()
     );
+    wire [63:0] trace;
+    digest #(.WORDS(4)) digest (.clk(clk), .sum(trace), .value({
+        valid ? payload[31:0] : 32'd0, bus_read ? bus_address : 32'd0,
+        readdatavalid ? readdata : 32'd0,
+        6'd0, irq, readdatavalid, waitrequest && (read || write), bus_read,
+        bus_read ? bus_burstcount : 5'd0, valid ? payload[34:32] : 3'd0, 13'd0, valid}));
 
     // The line.
     reg [7:0]  packet [0:65535];
@@ -120,7 +127,8 @@ module packets_bench (input wire clk);
     always @(posedge clk) begin
         clocks = clocks + 1;
         first_rst <= clocks < 8;
-        rst <= clocks < 8 || operation == RESET && asked && waited < a;
+        rst <= clocks < 8 || operation == RESET && asked && waited <= a;
+        memory_rst <= clocks < 8 || operation == RESET && asked && waited <= a && b[0];
         if (clocks == clock_limit) fail("the run does not end");
         if (clocks > 16) begin
             if (!asked) begin
@@ -167,6 +175,8 @@ module packets_bench (input wire clk);
                     $display("RESULT csr_errors %0d", csr_errors);
                     $display("RESULT memory_errors %0d", memory_errors);
                     $display("RESULT irq %0d", irq);
+                    $display("RESULT trace %0d", trace);
+                    $display("RESULT total_clocks %0d", clocks);
                     $finish;
                 end
             endcase

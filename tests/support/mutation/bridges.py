@@ -1,23 +1,22 @@
 """Hosts of the registers in a board: a serial line, JTAG, a bus and programs at one agent."""
 
 import random
-import tempfile
 from functools import cache
-from pathlib import Path
 
 from amaranth import *
 from amaranth.lib import wiring
 from amaranth.lib.wiring import In, Out, connect, flipped
 
-from ncdc_bench.mutation.designs import Bench, Design
+from ncdc_bench.mutation.designs import Design, PlayedBench
 from ncdc_hdl.avalon.bus import Agent
 from ncdc_hdl.registers.access import RegisterAccess
 from ncdc_hdl.registers.agent_access import AgentAccess
 from ncdc_hdl.registers.jtag_bridge import DOMAIN, JtagBridge, Scan
 from ncdc_hdl.registers.program import Op, ProgramRunner
 from ncdc_hdl.registers.serial_bridge import SerialBridge
-from ncdc_sim.runner import build_bench, command_of, run
+from ncdc_sim.runner import build_bench, command_of, hdl_text
 from ncdc_sim.tools import SimulationError
+from ncdc_sim.transcript import transcribed
 from ncdc_spec.protocols import jtag_link, serial_link
 from ncdc_spec.registers.system_map import SYSTEM_WORDS_BITS
 from simulations import HDL
@@ -26,19 +25,23 @@ __all__ = ["DESIGN", "RegisterHosts"]
 
 _TOP = "register_hosts"
 _BITS = SYSTEM_WORDS_BITS
-_DIVISOR, _RETRY = 8, 700           # clocks of a bit; before a program begins anew
+_DIVISOR, _RETRY = 9, 300           # clocks of a bit; before a program begins anew
 _GAP = 100 * 10 * _DIVISOR          # clocks after which a request on the line is dropped
 _SPECIAL = 31 << _BITS - 5          # from here on a register changes as it is read
-_COUNTS, _GUARDED = _SPECIAL + 0xA2, _SPECIAL + 0xA6    # their low bytes begin with 7 and 3
+# Their low bytes begin with 7, 3, 32 and 255.
+_COUNTS, _GUARDED, _AGAIN, _LONG = (_SPECIAL + (low ^ 0xA5) for low in (7, 3, 32, 255))
 _QUARTER = 1 << _BITS - 2           # registers of each host
 _PROGRAMS = (
     [(Op.WRITE, 7, 0x89ABCDEF), (Op.PAUSE, 0, 300), (Op.LOOK, 9, 1 << 3), (Op.WRITE_NOT, 10, 0),
      (Op.LOOK, 9, 1 << 2), (Op.WRITE_NOT, 11, 0), (Op.UNTIL_ZERO, _COUNTS, 0x06),
      (Op.WRITE, 8, 0x01234567), (Op.GUARD, _GUARDED, 0xFF), (Op.WRITE, 12, 0xFFFFFFFF)],
-    [(Op.WRITE, 40 + k, 0x5A << k) for k in range(20)],
+    [(Op.WRITE, 40 + k, 0x5A << k) for k in range(20)] + [(Op.GUARD, _AGAIN, 0xFF)],
     [],
+    [step for k in range(32) for step in ((Op.LOOK, 900 + 37 * k, 1 << k),
+                                          (Op.WRITE_NOT, 2000 + k, 0))],
+    [(Op.GUARD, _LONG, 0xFF)],
     [(Op.PAUSE, 0, 0), (Op.LOOK, 1000, 0xFFFFFFFF), (Op.WRITE_NOT, 1001, 0)])
-_STARTS = 1, 2, 3, 1, 0
+_STARTS = 1, 2, 3, 1, 5, 4, 0
 
 
 class RegisterHosts(wiring.Component):
@@ -142,8 +145,8 @@ class Expected:
             address, word = _QUARTER + rng.randrange(_QUARTER), rng.getrandbits(32)
             # The host's clock is off by up to 2 %, its bytes have pauses, or there is noise.
             bit = 16 * _DIVISOR + rng.choice((-2, 0, 0, 2))
-            if k % 4 == 1:
-                send(b"\0\xffr?"[k % 3:])
+            if k % 4 == 1:              # no letters: one bit of theirs is another
+                send(bytes(letter ^ 1 << bit for letter in b"RW" for bit in (k // 4, k // 4 + 4)))
                 wait(rng.randrange(1, 200))
             if k % 4 == 2:
                 lines.append(f"2 {_DIVISOR // 2 - 2:x} 0")
@@ -160,9 +163,12 @@ class Expected:
                 wait(answered)
             if k in (5, 11):            # a request that stops for too long is dropped
                 send(request[:k % 6], bit)
-                wait(_GAP + 8 * _DIVISOR)
+                wait(_GAP - 10 * _DIVISOR + 8)      # a byte takes ten bits
             send(request[:3], bit)
-            wait(_GAP - 12 * _DIVISOR if k == 8 else 1 + 37 * (k % 2))
+            if k == 7:                  # no stop bit within a request
+                lines.append(f"2 {14 * _DIVISOR:x} 0")
+                wait(3 * _DIVISOR)
+            wait(_GAP - 10 * _DIVISOR - 8 if k == 8 else 1 + 37 * (k % 2))
             send(request[3:], bit)
             words.write(address, word)
             answers += checked(b"w")
@@ -205,7 +211,9 @@ class Expected:
             answers.append(jtag_link.jtag_message(kind, k + 0x5A & 0xFF, address, answer))
             for _ in range(3):
                 lines.append("1 60 0")
-                scan(rng.choice((0, 0x04 << 56 | rng.getrandbits(56))))
+                # One bit more than a request has, or both of theirs.
+                kind = rng.choice((jtag_link.READ, jtag_link.WRITE)) | 1 << rng.randrange(2, 8)
+                scan(rng.choice((0, 3 << 56, kind << 56)) | rng.getrandbits(56))
         self.files["jtag.txt"] = "\n".join([*lines, ""])
         self.accesses[2] = words.accesses
         return answers
@@ -261,17 +269,17 @@ def make():
 def program_of(verilog):
     """The compiled bench."""
     return build_bench("hosts", "hosts_bench", [
-        ("register_hosts.v", verilog),
-        ("hosts_bench.v", (HDL / "hosts_bench.v").read_text())], optimise="-O0", defines={
+        ("register_hosts.v", verilog), ("digest.v", hdl_text("digest.v")),
+        ("hosts_bench.v", (HDL / "hosts_bench.v").read_text())], defines={
             "NCDC_ADDRESS_BITS": _BITS, "NCDC_DIVISOR": _DIVISOR})
 
 
-def all_hosts(seed, wait, latency, late):
+def all_hosts(seed, wait, latency, late, noise=0):
     """The bench of all hosts at once, at a register file of these times.
 
-    ``late``: most clocks by which it delays the programs.
+    ``late``: most clocks by which it delays the programs. ``noise``: clocks with resets before.
     """
-    def bench(verilog, more):
+    def bench(verilog, transcripts):
         wanted, found = expected(seed), {"UART": [], "JTAG": [], "BUS": [], "ACCESS": []}
         results = {}
 
@@ -284,11 +292,9 @@ def all_hosts(seed, wait, latency, late):
             elif kind in found:
                 found[kind].append(values)
 
-        with tempfile.TemporaryDirectory(prefix="ncdc-") as name:
-            for file, text in wanted.files.items():
-                (Path(name) / file).write_text(text)
-            run([*command_of(program_of(verilog)), f"+wait={wait}", f"+latency={latency}",
-                 "+clock_limit=400000", *more], name, take)
+        transcribed([*command_of(program_of(verilog)), f"+wait={wait}", f"+latency={latency}",
+                     f"+noise={noise}", "+clock_limit=400000"], take, transcripts,
+                    files={name: text.encode() for name, text in wanted.files.items()})
         assert results, "the simulation ended without a result"
         check(wanted, found, results, late)
     return bench
@@ -307,8 +313,9 @@ def check(wanted, found, results, late):
 
     for host in range(4):
         assert [one[1:] for one in accesses if host_of(one[2]) == host] == wanted.accesses[host]
-    guards = sum(one[1] == _GUARDED for one in wanted.accesses[0])
-    assert results["failures"] == guards - 2
+    failures = sum(address in (_GUARDED, _AGAIN, _LONG) and word & 0xFF != 0
+                   for _, address, word in wanted.accesses[0])
+    assert failures > 255 == results["failures"]
     # A pause of a program, and that before it begins anew.
     own = [one for one in accesses if host_of(one[2]) == 0]
     for before, after in zip(own, own[1:]):
@@ -320,5 +327,6 @@ def check(wanted, found, results, late):
 
 
 DESIGN = Design("bridges", _TOP, make, (
-    Bench("hosts at a quick agent", all_hosts(1, 0, 1, 200)),
-    Bench("hosts at a slow agent", all_hosts(2, 150, 20, 1500))))
+    PlayedBench("hosts at a quick agent", all_hosts(1, 0, 1, 200)),
+    PlayedBench("hosts at a slow agent", all_hosts(2, 150, 20, 1500)),
+    PlayedBench("hosts after resets", all_hosts(3, 60, 12, 600, noise=40_000))))

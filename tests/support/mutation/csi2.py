@@ -7,14 +7,18 @@ from csi2_frames import (
     check_corrupted,
     check_faulty,
     check_reset,
+    check_statuses,
     check_whole,
     corrupted_frames,
     faulty_frames,
+    header_frames,
+    long_frames,
+    odd_frames,
     received,
     reset_frames,
     whole_frames,
 )
-from ncdc_bench.mutation.designs import Bench, Design
+from ncdc_bench.mutation.designs import Design, PlayedBench
 from ncdc_hdl.camera.csi2.receiver import Receiver
 from ncdc_sim.csi2.run import RECEIVER, FlatReceiver
 from ncdc_spec.sensors.csi2 import SAMPLE_BITS_OF, DataType
@@ -25,6 +29,7 @@ _LANES = 2
 # What is sent is made once for all mutants.
 whole_frames, faulty_frames = cache(whole_frames), cache(faulty_frames)
 corrupted_frames, reset_frames = cache(corrupted_frames), cache(reset_frames)
+header_frames, odd_frames, long_frames = map(cache, (header_frames, odd_frames, long_frames))
 
 
 def make():
@@ -32,34 +37,53 @@ def make():
     return FlatReceiver(Receiver(_LANES))
 
 
-def frames(verilog, more):
+def frames(verilog, transcripts):
     """Frames of each format and of rows of each length."""
     for kind in SAMPLE_BITS_OF:
         wire, sent = whole_frames(_LANES, kind, 20)
-        check_whole(received(wire, kind, verilog=verilog, more=more), sent, kind)
+        check_whole(received(wire, kind, verilog=verilog, transcripts=transcripts), sent, kind)
 
 
-def faults(verilog, more):
+def faults(verilog, transcripts):
     """Each fault that can be planted in a frame."""
     for fault in FAULTS:
         wire, sent = faulty_frames(_LANES, fault)
-        result = received(wire, DataType.RAW10, verilog=verilog, more=more)
+        result = received(wire, DataType.RAW10, verilog=verilog, transcripts=transcripts)
         check_faulty(result, fault, sent)
 
 
-def corrupted(verilog, more):
+def corrupted(verilog, transcripts):
     """Packets with random faults."""
     wire, sent, untouched = corrupted_frames(_LANES, 600)
-    check_corrupted(received(wire, DataType.RAW10, verilog=verilog, more=more), sent, untouched)
+    result = received(wire, DataType.RAW10, verilog=verilog, transcripts=transcripts)
+    check_corrupted(result, sent, untouched)
 
 
-def resets(verilog, more):
+def headers(verilog, transcripts):
+    """Headers with each wrong bit, and with each pair of them."""
+    wire, bad, faults = header_frames(_LANES)
+    check_statuses(received(wire, DataType.RAW10, verilog=verilog, transcripts=transcripts), bad,
+                   faults)
+
+
+def lengths(verilog, transcripts):
+    """Rows of any number of bytes of each format, and of up to 65,535."""
+    for kind in SAMPLE_BITS_OF:
+        wire, bad, faults = odd_frames(_LANES, kind)
+        check_statuses(received(wire, kind, verilog=verilog, transcripts=transcripts), bad, faults)
+    wire, sent = long_frames(_LANES)
+    check_whole(received(wire, DataType.RAW8, verilog=verilog, transcripts=transcripts), sent,
+                DataType.RAW8)
+
+
+def resets(verilog, transcripts):
     """Resets at any clock."""
     wire, sent, reset, whole = reset_frames(_LANES)
-    result = received(wire, DataType.RAW10, reset=reset, verilog=verilog, more=more)
+    result = received(wire, DataType.RAW10, reset=reset, verilog=verilog, transcripts=transcripts)
     check_reset(result, sent, whole)
 
 
-_RUNS = {"frames": frames, "faults": faults, "corrupted packets": corrupted, "resets": resets}
+_RUNS = {"frames": frames, "faults": faults, "corrupted packets": corrupted, "resets": resets,
+         "headers": headers, "lengths": lengths}
 
-DESIGN = Design("csi2", RECEIVER, make, tuple(Bench(*item) for item in _RUNS.items()))
+DESIGN = Design("csi2", RECEIVER, make, tuple(PlayedBench(*item) for item in _RUNS.items()))

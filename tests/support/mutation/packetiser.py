@@ -5,7 +5,7 @@ from dataclasses import replace
 from functools import cache
 
 from frame_packets import packet_of, packets_of, some_headers
-from ncdc_bench.mutation.designs import Bench, Design
+from ncdc_bench.mutation.designs import Design, PlayedBench
 from ncdc_hdl.link.packetiser import Packetiser
 from ncdc_spec.protocols.link_headers import Headers
 from ncdc_spec.registers.link_map import (
@@ -27,11 +27,14 @@ from simulations.packets import PACKETISER, Script, simulate_packets
 __all__ = ["DESIGN"]
 
 _WIDTH, _CAPACITY = 64, 512
-_CONTENT = random.Random(1).randbytes(8192)
+_DECODED = 16       # bits of an address that the memory decodes
+_CONTENT = random.Random(1).randbytes(1 << _DECODED)
 _BUSY = STATUS_BUSY | STATUS_RESENDING
 _BUILT = 100        # clocks in which a short packet is built
 _MEMORY = {"latency_min": 1, "latency_max": 40, "wait_probability": 80, "max_pending": 4,
            "clock_limit": 120_000}
+# A memory that waits for long, and gives a word in some three clocks.
+_SLOW = {"latency_max": 400, "wait_probability": 240, "rate": 90, "clock_limit": 300_000}
 
 
 def make():
@@ -39,9 +42,20 @@ def make():
     return Packetiser(_WIDTH, capacity=_CAPACITY)
 
 
-def outcome(verilog, more, script, **settings):
+def outcome(verilog, transcripts, script, **settings):
     """The results of a script."""
-    return simulate_packets(verilog, _WIDTH, _CONTENT, script, more=more, **_MEMORY | settings)
+    return simulate_packets(verilog, _WIDTH, _CONTENT, script, transcripts=transcripts,
+                            **_MEMORY | settings)
+
+
+def anywhere(rng):
+    """Base of a frame, any multiple of a word in the lower half of what the memory decodes."""
+    return rng.getrandbits(32) & -_WIDTH // 8 & ~(1 << _DECODED - 1)
+
+
+def near(base):
+    """A base as the memory sees it."""
+    return base % (1 << _DECODED)
 
 
 def plain(payload, packets, **changed):
@@ -57,23 +71,23 @@ def any_frames():
     rng, script, expected = random.Random(2), Script(), []
     for _ in range(14):
         headers = some_headers(rng, _CAPACITY, HEADER_BYTES + 1)
-        base = 16 * rng.randrange(0, 64)
+        base = anywhere(rng)
         script.prepare(rng, headers, base)
         script.put(CONTROL=CONTROL_SEND)
         script.interrupt()
         script.settled(_BUSY)
-        expected += packets_of(_CONTENT, headers, base)
+        expected += packets_of(_CONTENT, headers, near(base))
     script.get("SENT")
     script.get("RESENT")
     return script, expected
 
 
-def frames(verilog, more):
+def frames(verilog, transcripts):
     """Headers and payloads of any length, numbers anywhere; a line that stalls, and one that
     does not."""
     script, expected = any_frames()
     for stall in (0, 150):
-        result = outcome(verilog, more, script, stall=stall)
+        result = outcome(verilog, transcripts, script, stall=stall)
         assert result.packets == expected
         assert result.reads == [*[STATUS_DONE] * 14, len(expected), 0]
         assert result.results["irq"] == 0
@@ -86,15 +100,15 @@ def some_ranges():
     for _ in range(8):
         headers = replace(plain(32, 4), leader=rng.randbytes(9), trailer=rng.randbytes(6),
                           last_bytes=17)
-        base = 16 * rng.randrange(0, 64)
+        base = anywhere(rng)
         script.prepare(rng, headers, base)
         script.put(CONTROL=CONTROL_SEND)
-        expected += packets_of(_CONTENT, headers, base)
+        expected += packets_of(_CONTENT, headers, near(base))
         for _ in range(3):
             first, last = rng.randrange(0, 9), rng.randrange(0, 9)
             of = rng.choice([(headers, base, 0)] + [before] * (before is not None))
             script.put(RESEND_FIRST=first, RESEND_LAST=last | of[2])
-            expected += [packet_of(_CONTENT, of[0], of[1], position)
+            expected += [packet_of(_CONTENT, of[0], near(of[1]), position)
                          for position in range(first, min(last, 5) + 1)]
             script.settled(STATUS_RESENDING)
         script.settled(_BUSY)
@@ -105,10 +119,10 @@ def some_ranges():
     return script, expected, reads
 
 
-def again(verilog, more):
+def again(verilog, transcripts):
     """Ranges of a frame and of the one before, while packets are sent and after them."""
     script, expected, reads = some_ranges()
-    result = outcome(verilog, more, script, stall=60)
+    result = outcome(verilog, transcripts, script, stall=60, rate=110)
     # They come somewhere between the others.
     assert sorted(result.packets) == sorted(expected)
     assert result.reads[-2:] == reads
@@ -117,12 +131,12 @@ def again(verilog, more):
         assert all(one & (STATUS_RESENT | STATUS_REFUSED) == STATUS_RESENT for one in statuses)
 
 
-def far(verilog, more):
+def far(verilog, transcripts):
     """Ranges far from the beginning of a frame that is aborted at once."""
     rng, script, expected = random.Random(4), Script(), []
     for payload, packets in ((16, 300), (48, 120)):
         headers = plain(payload, packets, leader=b"", trailer=b"", first=9, last_bytes=3)
-        base = 16 * rng.randrange(0, 20)
+        base = anywhere(rng)
         script.prepare(rng, headers, base)
         script.put(CONTROL=CONTROL_SEND)
         script.put(CONTROL=CONTROL_ABORT)
@@ -130,17 +144,80 @@ def far(verilog, more):
         for first in (1, packets - 1, *(rng.randrange(1, packets) for _ in range(4))):
             script.put(RESEND_FIRST=first + 8, RESEND_LAST=first + 9)
             script.settled(_BUSY)
-            expected += [packet_of(_CONTENT, headers, base, position)
+            expected += [packet_of(_CONTENT, headers, near(base), position)
                          for position in (first, first + 1)]
         script.get("SENT")
-    result = outcome(verilog, more, script)
+    result = outcome(verilog, transcripts, script)
     sent = result.reads[-1]
     assert len(result.packets) == sent + len(expected)
     assert [one for one in result.packets if one in expected] == expected or sent > 0
     assert result.packets[-12:] == expected[-12:]
 
 
-def registers(verilog, more):
+@cache
+def some_fuzz():
+    """A script of random accesses with a frame after some of them; the packets of each frame."""
+    rng, script, frames = random.Random(8), Script(), []
+    for k in range(12):
+        for _ in range(40):
+            disturb(rng, script)
+        if k % 3 == 2:
+            script.reset(rng.randrange(1, 4), memory=k % 2 == 0)
+        script.put(DELAY=0, CONTROL=CONTROL_ABORT)
+        script.settled(_BUSY)
+        headers, base = some_headers(rng, _CAPACITY, HEADER_BYTES + 1), anywhere(rng)
+        script.prepare(rng, headers, base)
+        script.put(CONTROL=CONTROL_SEND)
+        script.interrupt()
+        script.settled(_BUSY)
+        for register in LINK:
+            script.read(register.address)
+        frames.append(packets_of(_CONTENT, headers, near(base)))
+    return script, frames
+
+
+def disturb(rng, script):
+    """An access of any kind, or a pause."""
+    kind = rng.randrange(9)
+    if kind < 2:
+        name, most = rng.choice((("PAYLOAD", 600), ("PACKETS", 8),
+                                 ("LAST", 600), ("FIRST_NUMBER", 1 << 24), ("FIRST_NUMBER", 4),
+                                 ("NUMBER_FIELD", 1 << 11), ("DELAY", 400), ("DELAY", 2)))
+        script.put(**{name: rng.randrange(most)})
+    elif kind == 2:
+        script.put(PAYLOAD=16 * rng.randrange(1, 9), PACKETS=rng.randrange(1, 6),
+                   LAST=rng.randrange(1, 17), BASE=anywhere(rng))
+    elif kind == 3:
+        script.put(CONTROL=rng.choice((CONTROL_SEND, CONTROL_SEND, CONTROL_ABORT,
+                                       CONTROL_SEND | CONTROL_ABORT)))
+    elif kind == 4:
+        script.put(RESEND_FIRST=rng.randrange(8))
+        script.put(RESEND_LAST=rng.randrange(8) | rng.choice((0, RESEND_BEFORE)))
+    elif kind == 5:
+        template = TEMPLATES + 64 * rng.randrange(4)
+        script.write(template, rng.randrange(HEADER_BYTES))
+        script.write(template + rng.randrange(1, 64), rng.getrandbits(32))
+    elif kind == 6:
+        script.put(STATUS=rng.getrandbits(5))
+    elif kind == 7:
+        script.read(rng.choice((rng.randrange(32), rng.randrange(1 << 10))))
+    else:
+        script.wait(rng.randrange(1, 400))
+
+
+def fuzzed(verilog, transcripts):
+    """Any accesses at any time; a frame after them is right."""
+    script, frames = some_fuzz()
+    for settings in ({"stall": 40}, _SLOW):
+        packets = outcome(verilog, transcripts, script, **settings).packets
+        for one in frames:
+            if one:
+                begins = [k for k in range(len(packets)) if packets[k:k + len(one)] == one]
+                assert begins, "a frame is missing"
+                packets = packets[begins[0] + len(one):]
+
+
+def registers(verilog, transcripts):
     """Each register has its bits, and those only; what is no register reads as zero."""
     script, expected = Script(), []
     for register in LINK:
@@ -157,10 +234,10 @@ def registers(verilog, more):
     for address in (15, 16, 24, 25, TEMPLATES + 4, *(3 + (1 << k) for k in range(4, 10))):
         script.read(address)
         expected.append(0)
-    assert outcome(verilog, more, script).reads == expected
+    assert outcome(verilog, transcripts, script).reads == expected
 
 
-def rejected(verilog, more):
+def rejected(verilog, transcripts):
     """Writes that would corrupt packets are rejected and reported."""
     rng, script, headers, statuses = random.Random(5), Script(), plain(128, 8), []
     expected = []
@@ -199,12 +276,12 @@ def rejected(verilog, more):
     script.put(RESEND_LAST=9)
     settled(STATUS_RESENT | STATUS_REFUSED)
     expected += packets_of(_CONTENT, headers, 64)
-    result = outcome(verilog, more, script)
+    result = outcome(verilog, transcripts, script)
     assert result.reads == statuses
     assert result.packets == expected
 
 
-def pauses(verilog, more):
+def pauses(verilog, transcripts):
     """`LINK_DELAY` clocks between two packets, and no fewer; not many more."""
     headers = plain(64, 5)
     for delay in (177, 600):
@@ -214,7 +291,7 @@ def pauses(verilog, more):
         script.settled(_BUSY)
         script.get("CLOCKS")
         script.get("STALLS")
-        result = outcome(verilog, more, script, wait_probability=0, latency_max=1)
+        result = outcome(verilog, transcripts, script, wait_probability=0, latency_max=1)
         gaps = [begin - end - 1 for (begin, _), (_, end) in zip(result.times[1:], result.times)]
         assert len(gaps) == 6 and min(gaps) >= delay and max(gaps) <= delay + _BUILT, gaps
         assert result.packets == packets_of(_CONTENT, headers, 0)
@@ -223,7 +300,7 @@ def pauses(verilog, more):
         assert whole < clocks < whole + 400 and stalls < clocks
 
 
-def aborted(verilog, more):
+def aborted(verilog, transcripts):
     """No packet after those on their way; the next frame is right. Then resets at any time."""
     rng, script, headers = random.Random(7), Script(), plain(64, 20)
     script.prepare(rng, headers, 0)
@@ -235,26 +312,29 @@ def aborted(verilog, more):
     script.prepare(rng, headers, 16)
     script.put(CONTROL=CONTROL_SEND)
     script.settled(_BUSY)
-    result = outcome(verilog, more, script)
+    result = outcome(verilog, transcripts, script)
     sent, whole = result.reads[1], packets_of(_CONTENT, headers, 0)
     assert result.reads[0] == STATUS_DONE and 0 < sent < len(whole)
     assert result.packets == [*whole[:sent], *packets_of(_CONTENT, headers, 16)]
 
     script, whole = Script(), packets_of(_CONTENT, headers, 16)
-    for _ in range(10):
-        script.prepare(rng, headers, 16)
+    script.prepare(rng, headers, 16)
+    for k in range(40):
+        # After a reset the next read comes as soon as it can, while words of the last one are due.
+        script.put(PAYLOAD=64, PACKETS=20, LAST=49, BASE=16)
         script.put(CONTROL=CONTROL_SEND)
-        script.wait(rng.randrange(1, 500))
-        script.reset(rng.randrange(1, 4))
+        script.wait(rng.randrange(40, 700))
+        script.reset(rng.randrange(1, 4), memory=k % 4 == 3)
+    script.settled(_BUSY)
     script.prepare(rng, headers, 16)
     script.put(CONTROL=CONTROL_SEND)
     script.settled(_BUSY)
-    result = outcome(verilog, more, script, stall=60)
-    assert result.reads == [STATUS_DONE] and result.packets[-len(whole):] == whole
-    assert all(packet in whole for packet in result.packets)
+    result = outcome(verilog, transcripts, script, stall=60, latency_max=300)
+    assert result.reads == [0, STATUS_DONE] and result.packets[-len(whole):] == whole
 
 
 _RUNS = {"frames": frames, "registers": registers, "packets again": again, "far packets": far,
-         "rejected writes": rejected, "pauses": pauses, "aborts and resets": aborted}
+         "rejected writes": rejected, "pauses": pauses, "aborts and resets": aborted,
+         "register fuzz": fuzzed}
 
-DESIGN = Design("packetiser", PACKETISER, make, tuple(Bench(*item) for item in _RUNS.items()))
+DESIGN = Design("packetiser", PACKETISER, make, tuple(PlayedBench(*item) for item in _RUNS.items()))

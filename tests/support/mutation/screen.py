@@ -1,16 +1,15 @@
 """The scan-out of frames in memory, for pixels of three bytes and a small video mode."""
 
-import tempfile
 from functools import cache
-from pathlib import Path
 
 import numpy as np
 
-from ncdc_bench.mutation.designs import Bench, Design
+from ncdc_bench.mutation.designs import Design, PlayedBench
 from ncdc_hdl.video.modes import VideoMode
 from ncdc_hdl.video.scan_out import ScanOut
-from ncdc_sim.runner import build_bench, command_of, hdl_text, run
+from ncdc_sim.runner import build_bench, command_of, hdl_text
 from ncdc_sim.tools import SimulationError
+from ncdc_sim.transcript import transcribed
 from simulations import HDL
 
 __all__ = ["DESIGN"]
@@ -34,20 +33,21 @@ def content():
     return np.random.default_rng(1).integers(1, 256, _BYTES, np.uint8)
 
 
-def frame_of(choice):
-    """Pixels of the frame in a buffer, blue first; black without one."""
+def frame_of(claim):
+    """Pixels of the frame of a claim, blue first; black without one."""
+    choice = _CHOICES[claim]
     if choice is None:
         return np.zeros((_HEIGHT, _WIDTH, 3), np.uint8)
-    size = 3 * _WIDTH * _HEIGHT
-    return content()[choice * _BUFFER:][:size].reshape(_HEIGHT, _WIDTH, 3)
+    at, size = choice * _BUFFER + 148 * claim % 400, 3 * _WIDTH * _HEIGHT
+    return content()[at:at + size].reshape(_HEIGHT, _WIDTH, 3)
 
 
-def screens_of(verilog, more, **settings):
+def screens_of(verilog, transcripts, **settings):
     """What the screen shows, as an array (pictures, lines, pixels, 4), and numbers of the bench."""
     sources = [("scan_out.v", verilog), ("screen_bench.v", (HDL / "screen_bench.v").read_text()),
                *((name, hdl_text(name)) for name in (
-                   "avalon_memory.v", "dram_timing.v", "avalon_checker.v"))]
-    program = build_bench("screen", "screen_bench", sources, optimise="-O0")
+                   "avalon_memory.v", "dram_timing.v", "avalon_checker.v", "digest.v"))]
+    program = build_bench("screen", "screen_bench", sources)
     pixels = _LINE * _LINES * (len(_CHOICES) + 1) + 1
     choices = "".join("f" if one is None else f"{one:x}" for one in reversed(_CHOICES))
     plusargs = {"choices": choices, "pixels": pixels, "wait_probability": 60, "latency_min": 2,
@@ -61,11 +61,10 @@ def screens_of(verilog, more, **settings):
         elif kind == "AVALON-ERROR":
             raise SimulationError(line)
 
-    with tempfile.TemporaryDirectory(prefix="ncdc-") as name:
-        (Path(name) / "content.bin").write_bytes(content().tobytes())
-        run([*command_of(program), *(f"+{key}={value}" for key, value in plusargs.items()), *more],
-            name, take)
-        seen = np.fromfile(Path(name) / "screen.bin", np.uint8)
+    written = transcribed(
+        [*command_of(program), *(f"+{key}={value}" for key, value in plusargs.items())], take,
+        transcripts, files={"content.bin": content().tobytes()}, writes=["screen.bin"])
+    seen = np.frombuffer(written["screen.bin"], np.uint8)
     assert seen.size == 4 * pixels and results["errors"] == 0, results
     # A pixel is at the output a clock after the beam is at it.
     return seen[4:].reshape(-1, _LINES, _LINE, 4), results
@@ -86,32 +85,32 @@ def check_beam(screens):
     return inner
 
 
-def newest(ratio):
+def newest(ratio, **settings):
     """The bench in which each picture is the newest frame; the pixel clock is ``ratio`` of the
     core's."""
-    def bench(verilog, more):
+    def bench(verilog, transcripts):
         period = 2 * round(5000 / ratio)
-        screens, results = screens_of(verilog, more, pixel_period=period)
+        screens, results = screens_of(verilog, transcripts, pixel_period=period, **settings)
         inner = check_beam(screens)
         assert not inner[0].any()
-        for picture, choice in zip(inner[1:], _CHOICES):
-            np.testing.assert_array_equal(picture, frame_of(choice))
+        for claim, picture in enumerate(inner[1:]):
+            np.testing.assert_array_equal(picture, frame_of(claim))
         assert results["claims"] == len(_CHOICES) + 1
         assert results["shown"] == len(_CHOICES) - 1 and results["underruns"] == 0
     return bench
 
 
-def starved(verilog, more):
+def starved(verilog, transcripts):
     """A memory that is too slow in one picture: its rest is black, the others are whole."""
     ratio = 1.9         # clocks of the core for a pixel: the next picture begins after so many
     starves = int(ratio * _LINE * _LINES) + 100
     for claim, commands in ((2, 30), (4, 45)):
-        screens, results = screens_of(verilog, more, starved=claim, commands=commands,
+        screens, results = screens_of(verilog, transcripts, starved=claim, commands=commands,
                                       starves=starves, pixel_period=int(10_000 * ratio))
         words = 8 * commands
         inner = check_beam(screens)
-        for k, choice in enumerate(_CHOICES):
-            right, picture = frame_of(choice), inner[k + 1]
+        for k, picture in enumerate(inner[1:]):
+            right = frame_of(k)
             if k != claim:
                 np.testing.assert_array_equal(picture, right)
                 continue
@@ -122,5 +121,6 @@ def starved(verilog, more):
 
 
 DESIGN = Design("screen", _TOP, make, (
-    Bench("a quick screen", newest(.93)), Bench("a slow screen", newest(.4)),
-    Bench("words too late", starved)))
+    PlayedBench("a quick screen", newest(.93)), PlayedBench("a slow screen", newest(.4)),
+    PlayedBench("words too late", starved),
+    PlayedBench("resets", newest(.3, resets=16, latency_max=300, wait_probability=120))))

@@ -3,7 +3,7 @@
 from dataclasses import replace
 from functools import cache
 
-from ncdc_bench.mutation.designs import Bench, Design
+from ncdc_bench.mutation.designs import Design, PlayedBench
 from ncdc_boards.sdram.chips import AS4C16M16SA_6
 from ncdc_boards.sdram.controller import SdramController
 from ncdc_sim.sdram import (
@@ -40,16 +40,16 @@ def controller():
     return make()
 
 
-def outcome(hosts, clocks, verilog, more, **settings):
+def outcome(hosts, clocks, verilog, transcripts, **settings):
     """Results of a run in which no rule is broken and no word is wrong."""
     result = run_sdram(controller(), hosts, clocks=clocks, clock_hz=_CLOCK_HZ, verilog=verilog,
-                       more=more, **settings)
+                       transcripts=transcripts, **settings)
     assert not result["rules"], result["rules"]
     assert (result["violations"], result["port_errors"], result["wrong"]) == (0, 0, 0)
     assert result["checked"] >= result["unsure"]
     assert result["refreshes"] * controller().clocks.refresh > clocks
-    pause, more = controller().clocks.pause, initialisation()
-    assert pause < result["ready_first"] < pause + more
+    pause = controller().clocks.pause
+    assert pause < result["ready_first"] < pause + initialisation()
     return result
 
 
@@ -59,57 +59,58 @@ def initialisation():
     return times["rp"] + controller().chip.refreshes * clocks.rfc + clocks.mrd + _STEPS
 
 
-def mixed(verilog, more):
+def mixed(verilog, transcripts):
     """Each host with pauses of its own; the share of clocks with data."""
-    result = outcome(_MIXED, 30_000, verilog, more)
+    result = outcome(_MIXED, 30_000, verilog, transcripts)
     assert min(result["words"]) > 100
     assert result["beats"] > .8 * 30_000
     period = controller().sequencer.period
     assert result["refreshes"] < 30_000 / period + controller().chip.refreshes + 2
 
 
-def short(verilog, more):
+def short(verilog, transcripts):
     """Short bursts anywhere, in each clock: another row nearly always."""
-    result = outcome(_SHORT, 15_000, verilog, more, seed=2)
+    result = outcome(_SHORT, 15_000, verilog, transcripts, seed=2)
     assert min(result["words"]) > 30
 
 
-def onwards(verilog, more):
+def onwards(verilog, transcripts):
     """Bursts one after the other: a word in nearly each pair of clocks, of each host alone."""
     for k, share in enumerate((.93, .93, .97, .97)):
         hosts = [_OFF] * 4
         hosts[k] = Host(ONWARDS, 0, 16, 16)
-        result = outcome(hosts, 4000, verilog, more)
+        result = outcome(hosts, 4000, verilog, transcripts)
         assert result["beats"] > share * 4000, (k, result["beats"])
 
 
-def waits(verilog, more):
+def waits(verilog, transcripts):
     """A host alone has its word after the least time; one among busy hosts within its bound."""
     made = controller()
-    result = outcome([Host(ANYWHERE, ALONE, 1, 1), _OFF, _OFF, _OFF], 4000, verilog, more)
+    result = outcome([Host(ANYWHERE, ALONE, 1, 1), _OFF, _OFF, _OFF], 4000, verilog, transcripts)
     times, refresh = made.sequencer.banks.times, made.sequencer.delay + made.clocks.rfc
     limit = made.latency + times["rp"] + times["rcd"] + 2 + refresh
     assert made.latency <= result["longest"][0] <= limit
     for index, host in enumerate(("read", "read", "video", "write")):
         hosts = [_WHOLE] * 4
         hosts[index] = Host(ANYWHERE, ALONE, 16, 16)
-        result = outcome(hosts, 6000, verilog, more)
+        result = outcome(hosts, 6000, verilog, transcripts)
         assert result["longest"][index] <= made.bounds[host], (host, result["longest"])
 
 
-def resets(verilog, more):
+def resets(verilog, transcripts):
     """Resets in the midst of all: what was written well before is still there."""
-    result = outcome(_MIXED, 40_000, verilog, more, resets=1200, seed=3)
+    result = outcome(_MIXED, 40_000, verilog, transcripts, resets=1200, seed=3)
     assert result["resets"] > 15
     # The content must stay: no pause as after power-up.
     settle = controller().sequencer.init_refresh.settle
     assert 0 < result["ready_longest"] < settle + initialisation()
     # At any time, also in a refresh and in the initialisation.
-    result = outcome(_SHORT, 10_000, verilog, more, resets=60, seed=4)
+    result = outcome(_SHORT, 10_000, verilog, transcripts, resets=60, seed=4)
     assert result["resets"] > 100
 
 
 _RUNS = {"short bursts": short, "mixed hosts": mixed, "one host alone": onwards,
          "waits": waits, "resets": resets}
 
-DESIGN = Design("sdram", SDRAM_CONTROLLER, make, tuple(Bench(*item) for item in _RUNS.items()))
+DESIGN = Design("sdram", SDRAM_CONTROLLER, make,
+                tuple(PlayedBench(*item) for item in _RUNS.items()))

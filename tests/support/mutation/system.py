@@ -9,7 +9,7 @@ from functools import cache
 import numpy as np
 
 from cameras import barrel_descriptor
-from ncdc_bench.mutation.designs import Bench, Design
+from ncdc_bench.mutation.designs import Design, PlayedBench
 from ncdc_bench.system.readers import simulate_readers
 from ncdc_hdl.export.verilog.system_cover import SYSTEM
 from ncdc_hdl.system import System
@@ -75,19 +75,20 @@ def golden(raw):
     return _GOLDEN[key]
 
 
-def options(verilog, more, clock_limit):
+def options(verilog, transcripts, clock_limit):
     """Options of a run, of each bench."""
-    return {"verilog": verilog, "more": more, "clock_limit": clock_limit, "quarter": _QUARTER}
+    return {"verilog": verilog, "transcripts": transcripts, "clock_limit": clock_limit,
+            "quarter": _QUARTER}
 
 
 def frames(name):
     """The bench of whole frames of a way, both stores."""
     size, corner, clocks, gains, follow = _WAYS[name]
 
-    def run(verilog, more):
+    def run(verilog, transcripts):
         with running(system(), *scene(size), corner=corner, clocks=clocks, gains=gains,
                      registers={"RUN_FOLLOW": int(follow)}, memory="hostile",
-                     **options(verilog, more, 400_000)) as camera:
+                     **options(verilog, transcripts, 400_000)) as camera:
             host, live, seen = camera.host, camera.host.live, []
             host.camera.listen("CORRECTED_FRAME")
             while len(seen) < 3:
@@ -158,10 +159,10 @@ def readers(limit):
     """The bench of readers that claim at any time, with a time limit or without one."""
     size, corner, clocks, gains, _ = _WAYS["window"]
 
-    def run(verilog, more):
-        result = simulate_readers(system(), *scene(size), count=14, seed=7, limit=limit,
+    def run(verilog, transcripts):
+        result = simulate_readers(system(), *scene(size), count=12, seed=7, limit=limit,
                                   corner=corner, gains=gains, clocks=clocks,
-                                  **options(verilog, more, 700_000))
+                                  **options(verilog, transcripts, 700_000))
         assert (result.torn, result.bad) == (0, 0)
         assert result.raw > 1 and result.corrected > 0
         assert (result.lost > 0) == (limit > 0) and result.taken >= result.lost
@@ -176,12 +177,12 @@ _FAULTS = (
     ("clock_stop", {"frame": 1, "row": 9, "clocks": 20_000}, "CLOCK_STOPS"))
 
 
-def faults(verilog, more):
+def faults(verilog, transcripts):
     """Faults of the sensor: each is counted, its frame is bad, and the others are right."""
     for k, (kind, how, counter) in enumerate(_FAULTS):
         run = simulate_camera(system(), *scene(_SIZE), count=2, follow=bool(k % 2),
                               fault=Fault(kind, **how), clocks=_QUICK,
-                              **options(verilog, more, 400_000))
+                              **options(verilog, transcripts, 400_000))
         others = [name for name in ("LINE_FAULTS", "FRAMES_CUT", "CLOCK_STOPS")
                   if name != counter and kind not in ("glitch", "clock_stop")]
         assert run.counters[counter] > 0 and not any(run.counters[name] for name in others), kind
@@ -192,19 +193,19 @@ def faults(verilog, more):
         assert run.frames[0].number == 1 < run.frames[1].number - 1
 
 
-def stalls(verilog, more):
+def stalls(verilog, transcripts):
     """A memory that takes nothing for some frames: they are lost and counted."""
     run = simulate_camera(system(), *scene(_SIZE), count=3,
                           disturb=lambda host: host.live.stall(30_000), clocks=_QUICK,
-                          **options(verilog, more, 500_000))
+                          **options(verilog, transcripts, 500_000))
     assert run.counters["OVERFLOWS"] > 0 and run.counters["RAW_ENDED_BAD"] > 0
     assert [frame.different for frame in run.frames] == [0, 0, 0]
 
 
-def bus(verilog, more):
+def bus(verilog, transcripts):
     """Registers of the sensor over I2C; one that does not answer, and one that holds SDA."""
     rng = random.Random(3)
-    run_options = options(verilog, more, 400_000) | {"clocks": _QUICK}
+    run_options = options(verilog, transcripts, 400_000) | {"clocks": _QUICK}
     with running(system(), *scene(_SIZE), **run_options) as camera:
         host, report = camera.host, scene(_SIZE)[0].report()
         for _ in range(12):
@@ -230,10 +231,10 @@ def bus(verilog, more):
         assert flag in run.i2c_errors and run.frames[0].different == 0
 
 
-def registers(verilog, more):
+def registers(verilog, transcripts):
     """Each register keeps its bits, or none; those that are in use are not written."""
     rng = random.Random(5)
-    with running(system(), *scene(_SIZE), **options(verilog, more, 300_000)) as camera:
+    with running(system(), *scene(_SIZE), **options(verilog, transcripts, 300_000)) as camera:
         host, live = camera.host, camera.host.live
         halt(camera)
         stored = [one for one in system().table if one.access == "rw"
@@ -271,17 +272,17 @@ def low_bits(name):
     return system().hardware.data_width // 8 - 1 if aligned else 0
 
 
-def resets(verilog, more):
+def resets(verilog, transcripts):
     """Resets in the midst of frames, of the memory as well or not: the next frame is right."""
     size, corner, clocks, gains, _ = _WAYS["window"]
     with running(system(), *scene(size), corner=corner, gains=gains, clocks=clocks,
-                 memory="hostile", **options(verilog, more, 400_000)) as camera:
+                 memory="hostile", **options(verilog, transcripts, 400_000)) as camera:
         host, live = camera.host, camera.host.live
         written = {name: host.get(name) for name in (
             "SENT_WIDTH", "SENT_HEIGHT", "WINDOW_LEFT", "WINDOW_TOP", "BLACK_LEVEL", "CLOCK_LIMIT",
             "CAPTURE_GAINS")}
-        for k in range(6):
-            live.wait(int((1.1 + k / 5) * camera.frame_clocks))
+        for k in range(4):
+            live.wait(int((1.1 + k / 4) * camera.frame_clocks))
             live.reset(1 + k % 3, memory=k % 2 == 0)
             assert host.get("RAW_BEGUN") == 0 == host.get("CAMERA_STATUS") >> 8
             host.camera.put(**written)
@@ -292,9 +293,9 @@ def resets(verilog, more):
             assert any(np.array_equal(picture, golden(raw)) for raw in camera.raw)
 
 
-_RUNS = {**{f"frames, {name}": frames(name) for name in _WAYS}, "registers": registers,
-         "I2C": bus, "faults": faults, "readers": readers(0),
-         "readers with a limit": readers(14_000), "stalls": stalls, "resets": resets}
+_RUNS = {"registers": registers, **{f"frames, {name}": frames(name) for name in _WAYS},
+         "stalls": stalls, "I2C": bus,
+         "readers with a limit": readers(14_000), "faults": faults, "resets": resets}
 
-DESIGN = Design("system", SYSTEM, make, tuple(Bench(*item) for item in _RUNS.items()),
+DESIGN = Design("system", SYSTEM, make, tuple(PlayedBench(*item) for item in _RUNS.items()),
                 leaves=("corrector",))

@@ -1,11 +1,10 @@
 """A packetiser's Verilog between a memory, a host with a script and a line, all in Verilog."""
 
-import tempfile
 from dataclasses import dataclass, field
-from pathlib import Path
 
-from ncdc_sim.runner import build_bench, command_of, hdl_text, run
+from ncdc_sim.runner import build_bench, command_of, hdl_text
 from ncdc_sim.tools import SimulationError
+from ncdc_sim.transcript import transcribed
 from ncdc_spec.registers.link_map import LINK, TEMPLATE_WORDS, TEMPLATES
 from simulations import HDL
 
@@ -58,9 +57,9 @@ class Script:
         """Let so many clocks go by."""
         self._add(_WAIT, clocks)
 
-    def reset(self, clocks):
-        """Reset the packetiser."""
-        self._add(_RESET, clocks)
+    def reset(self, clocks, memory=False):
+        """Reset the packetiser, and the memory with it."""
+        self._add(_RESET, clocks, int(memory))
 
     def interrupt(self):
         """Wait for the interrupt."""
@@ -112,7 +111,7 @@ class PacketRun:
             raise SimulationError(f"simulation failed: {line}")
 
 
-def simulate_packets(verilog, data_width, content, script, *, more=(), **settings):
+def simulate_packets(verilog, data_width, content, script, *, transcripts=None, **settings):
     """Run a packetiser.
 
     Parameters
@@ -123,8 +122,8 @@ def simulate_packets(verilog, data_width, content, script, *, more=(), **setting
     content : bytes
         Of the memory, a power of two of them.
     script : Script
-    more : sequence of str
-        Further plusargs.
+    transcripts : list, optional
+        The run's transcript is added to it.
     settings
         Plusargs of ``packets_bench.v`` and of the memory.
 
@@ -136,16 +135,13 @@ def simulate_packets(verilog, data_width, content, script, *, more=(), **setting
     sources = [("packetiser.v", verilog),
                ("packets_bench.v", (HDL / "packets_bench.v").read_text()),
                *((name, hdl_text(name)) for name in (
-                   "avalon_memory.v", "dram_timing.v", "avalon_checker.v"))]
+                   "avalon_memory.v", "dram_timing.v", "avalon_checker.v", "digest.v"))]
     program = build_bench("packets", "packets_bench", sources, optimise="-O0", defines={
         "NCDC_DATA_WIDTH": data_width, "NCDC_MEMORY_BYTES": len(content)})
     result = PacketRun()
-    with tempfile.TemporaryDirectory(prefix="ncdc-") as name:
-        folder = Path(name)
-        (folder / "script.txt").write_text(script.text)
-        (folder / "content.bin").write_bytes(content)
-        run([*command_of(program), *(f"+{key}={value}" for key, value in settings.items()), *more],
-            folder, result.take)
+    transcribed([*command_of(program), *(f"+{key}={value}" for key, value in settings.items())],
+                result.take, transcripts,
+                files={"script.txt": script.text.encode(), "content.bin": content})
     if any(result.results.get(name) != 0 for name in ("bus_errors", "csr_errors", "memory_errors")):
         raise SimulationError(f"a bus went wrong: {result.results}")
     return result
