@@ -66,11 +66,10 @@ def _library(queue, fragment):
 
 def _own(queue, fragment):
     """The same of a queue with two stages after the memory."""
-    stored, read_valid, both, some, full = (inner(fragment, name) for name in (
-        "stored", "read_valid", "both", "some", "full"))
+    stored, read_valid, both, some = (inner(fragment, name) for name in (
+        "stored", "read_valid", "both", "some"))
     _say(fragment, queue.level == stored + read_valid + queue.r_rdy, "stored_words")
-    _say(fragment, (queue.level <= queue.depth) & (full == (queue.level == queue.depth)),
-         "full_flag")
+    _say(fragment, queue.level <= queue.depth, "level_limit")
     _say(fragment, some == (stored != 0), "some_flag")
     _say(fragment, both == (read_valid & queue.r_rdy), "both_flag")
     _say(fragment, (read_valid & queue.r_rdy) | (stored <= 1), "output_first")
