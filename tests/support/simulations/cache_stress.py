@@ -2,8 +2,8 @@
 
 from ncdc_hdl.backend.layouts import request_layout, window_layout
 from ncdc_hdl.export.verilog import module_verilog
-from ncdc_sim.runner import build, command_of, run
-from ncdc_sim.transcript import Transcript
+from ncdc_sim.runner import build, command_of
+from ncdc_sim.transcript import transcribed
 from ncdc_spec.white_balance import GAIN_BITS
 from simulations import HDL
 
@@ -34,7 +34,7 @@ def stress_cache(cache, *, groups, frame_bits=12, seed=1, resets=0, far=0, veril
     verilog : str
         Text of the cache, whose module is ``cache``; None: it is made.
     transcripts : list
-        The run's :class:`Transcript` is added to it.
+        The run's transcript is added to it.
 
     Returns
     -------
@@ -69,7 +69,5 @@ def stress_cache(cache, *, groups, frame_bits=12, seed=1, resets=0, far=0, veril
     command = [*command_of(program), f"+seed={seed}", f"+groups={groups}", f"+resets={resets}",
                f"+frame_bits={frame_bits}", f"+far={far}"]
     lines = []
-    run(command, None, lines.append)
-    if transcripts is not None:
-        transcripts.append(Transcript(tuple(command), {}, tuple(lines), {}))
+    transcribed(command, lines.append, transcripts)
     return {name: int(value) for _, name, value in map(str.split, lines)}

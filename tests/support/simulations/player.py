@@ -1,14 +1,11 @@
 """A component's Verilog with inputs from a file, and a consumer of its stream that stalls."""
 
-import tempfile
-from pathlib import Path
-
 from amaranth import Shape, Value
 from amaranth.lib.wiring import In
 
-from ncdc_sim.runner import build_bench, command_of, run
+from ncdc_sim.runner import build_bench, command_of
 from ncdc_sim.tools import SimulationError
-from ncdc_sim.transcript import Transcript
+from ncdc_sim.transcript import transcribed
 from simulations import HDL
 
 __all__ = ["Player"]
@@ -60,7 +57,7 @@ class Player:
     def play(self, verilog, transcripts=None, **plusargs):
         """Run the component's ``verilog``; the items of ``o``, as constants of its layout.
 
-        ``transcripts``: a list to which the run's :class:`Transcript` is added.
+        ``transcripts``: a list to which the run's transcript is added.
 
         Raises
         ------
@@ -84,10 +81,9 @@ class Player:
         program = build_bench("player", "player_bench", [("dut.v", verilog),
                                                          ("player_bench.v", header + bench)])
         files = {"inputs.txt": "\n".join([*self._lines, "0 0 0", ""]).encode()}
-        lines, items = [], []
+        items = []
 
         def hear(line):
-            lines.append(line)
             kind, *words = line.split() or [""]
             if kind == "OUT":
                 items.append(self._item.from_bits(int(words[1], 16)))
@@ -95,12 +91,6 @@ class Player:
                 raise SimulationError(f"simulation failed: {line}")
 
         command = [*command_of(program), *(f"+{name}={value}" for name, value in plusargs.items())]
-        with tempfile.TemporaryDirectory(prefix="ncdc-") as name:
-            folder = Path(name)
-            for file, content in files.items():
-                (folder / file).write_bytes(content)
-            run(command, folder, hear)
-        if transcripts is not None:
-            transcripts.append(Transcript(tuple(command), files, tuple(lines), {}))
+        transcribed(command, hear, transcripts, files=files)
         return items
 

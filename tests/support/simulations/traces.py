@@ -1,17 +1,15 @@
 """Components in Amaranth's simulator, recorded clock by clock, and their Verilog with the same
 inputs: one bench for many of them."""
 
-import tempfile
 from functools import cached_property
-from pathlib import Path
 
 from amaranth import *
 from amaranth.lib import wiring
 from amaranth.lib.wiring import In, Out
 
-from ncdc_sim.runner import build_bench, command_of, run
+from ncdc_sim.runner import build_bench, command_of
 from ncdc_sim.tools import SimulationError
-from ncdc_sim.transcript import Transcript
+from ncdc_sim.transcript import transcribed
 from pipelines import watched
 from simulations import HDL
 
@@ -125,7 +123,7 @@ def replay(units, traces, verilog, transcripts):
     verilog : str
         Their module is ``units``.
     transcripts : list
-        The run's :class:`Transcript` is added to it.
+        The run's transcript is added to it.
 
     Raises
     ------
@@ -141,13 +139,9 @@ def replay(units, traces, verilog, transcripts):
     bench = header + (HDL / "trace_bench.v").read_text()
     program = build_bench("trace", "trace_bench", [("units.v", verilog),
                                                    ("trace_bench.v", bench)])
-    lines = []
-    with tempfile.TemporaryDirectory(prefix="ncdc-") as name:
-        folder = Path(name)
-        for file, content in files.items():
-            (folder / file).write_bytes(content)
-        run(command_of(program), folder, lines.append)
-    for line in lines:
+
+    def hear(line):
         if line.startswith("FAILED"):
             raise SimulationError(line)
-    transcripts.append(Transcript(tuple(command_of(program)), files, tuple(lines), {}))
+
+    transcribed(command_of(program), hear, transcripts, files=files)
