@@ -5,10 +5,9 @@ from dataclasses import dataclass
 from ncdc_spec.errors import InputError
 from ncdc_spec.interpolation import FAST, Interpolation
 
-__all__ = ["BOX_COLUMNS", "CacheOptions", "TILE_WIDTH"]
+__all__ = ["CacheOptions", "TILE_WIDTH"]
 
 TILE_WIDTH = 16                     # samples, a byte each
-BOX_COLUMNS = 16                    # most columns of a box
 _MIN_TILES, _MAX_TILES = 16, 4096
 _MAX_PENDING = 1024
 _MAX_OUTSTANDING = 64
@@ -31,9 +30,9 @@ class CacheOptions:
 
     Several pixels per clock form groups. A group is one look-up if its samples (x0, y0) to
     (x1, y1), the windows of all its pixels that are not blank, fit a box:
-    ``x1 div w - x0 div w <= 1`` with w = 8 samples (gradient, four lanes: 16), ``x1 - x0 <= 15``,
-    ``y1 - y0 <= 3`` (gradient: 7), and at most R rows of tiles. Else it is divided in halves from
-    left to right, and these likewise.
+    ``x1 div w - x0 div w < n`` with n = 2 words of w = 8 samples (6x6 windows, four lanes: 4 of 4),
+    ``y1 - y0 <= 3`` (6x6 windows: 7), and at most R rows of tiles. Else it is divided in halves
+    from left to right, and these likewise.
 
     The tiles that a window, or a box, can touch are in different banks, so no window evicts its own
     tiles.

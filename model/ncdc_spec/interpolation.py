@@ -7,8 +7,6 @@ from ncdc_spec.errors import InputError
 __all__ = ["CRESTS", "DEFAULT", "DIRECTIONAL", "FAST", "GRADIENT", "INTERPOLATIONS",
            "Interpolation", "check_crest", "interpolation_of"]
 
-_NARROW = 8             # samples of a word of the tile memory, or else twice as many
-
 
 @dataclass(frozen=True)
 class Interpolation:
@@ -77,13 +75,14 @@ class Interpolation:
         """Rows that the tile memory reads in one clock: a power of two, at least a window."""
         return 1 << (self.window - 1).bit_length()
 
-    def box_word(self, lanes):
-        """Samples of a word of the tile memory, for ``lanes`` pixels per clock.
+    def box_words(self, lanes):
+        """(number, samples) of the words of a box in a row, for ``lanes`` pixels per clock.
 
-        Two words, the first of which begins at a multiple of its size, hold the windows of a group
-        at any position if the map steps by up to two columns from pixel to pixel.
+        Words begin at multiples of their size. They hold the windows of a group at any position
+        if the map steps by up to two columns from pixel to pixel.
         """
-        return _NARROW if self.window + 2 * (lanes - 1) <= _NARROW + 1 else 2 * _NARROW
+        # Two words of 8 hold 9 columns at any position, four of 4 hold 13.
+        return (2, 8) if self.window + 2 * (lanes - 1) <= 9 else (4, 4)
 
     @property
     def min_f_bits(self):

@@ -22,6 +22,7 @@ from ncdc.toolchain.flows import (
     ecp5,
     synthesise,
 )
+from ncdc_hdl.backend.cache.layouts import Banks
 from ncdc_hdl.backend.cache.tiles import Tiles
 from ncdc_hdl.export.verilog import module_verilog
 from ncdc_hdl.lib.pipeline import DelayMemory
@@ -227,7 +228,7 @@ def test_broken_verilog_shows_the_reason(flow):
 
 @pytest.mark.longer
 def test_half_of_the_tile_memory_can_be_luts():
-    tiles = Tiles(CacheOptions(256, interpolation=GRADIENT), 8, lut_tiles=True)
+    tiles = Tiles(CacheOptions(256, interpolation=GRADIENT), Banks(2, 8), lut_tiles=True)
     netlist = json.loads(synthesis.plain_netlist(module_verilog(tiles, "top"), "top"))
     kinds = Counter(cell["type"] for cell in netlist["modules"]["top"]["cells"].values())
     # Of 16 banks of 64 words of 64 bits, eight in two block RAMs each, eight in cells of 16 x 4.

@@ -6,7 +6,7 @@ import pytest
 from fetchers import turned
 from ncdc_hdl.backend.cache.align import align_for
 from ncdc_hdl.backend.cache.boxes import Boxes
-from ncdc_hdl.backend.cache.narrow import Narrow
+from ncdc_hdl.backend.cache.layouts import Banks
 from ncdc_hdl.backend.cache.tiles import Tiles
 from ncdc_spec.cache_options import CacheOptions
 from ncdc_spec.interpolation import FAST, GRADIENT
@@ -14,9 +14,9 @@ from pipelines import get, put, run_bench
 
 OPTIONS = {each: CacheOptions(tiles=64, pending=8, interpolation=each)
            for each in (FAST, GRADIENT)}
-# Of each interpolation, the word widths of its tile memory, and all splits.
-MEMORIES = [(each, word_bytes, split) for each, options in OPTIONS.items()
-            for word_bytes in ((4, 8) if each == FAST else (8, 16))
+# Of each interpolation, the banks of its tile memory, and all splits.
+MEMORIES = [(each, Banks(*banks), split) for each, options in OPTIONS.items()
+            for banks in (((2, 4), (2, 8)) if each == FAST else ((2, 8), (4, 4)))
             for split in range(options.max_split + 1)]
 F = 10
 
@@ -39,8 +39,7 @@ def parts(x0, y0, blank, lanes, needs, size, word):
            max(min(y0[k] + needs.after, size - 1) for k in used))
     rows, tile_rows = (4, 2) if needs == FAST else (8, 4)
     height = 4 if needs == FAST else 2
-    if len(lanes) == 1 or (box[2] // word - box[0] // word <= 1 and box[2] - box[0] < 16
-                           and box[3] - box[1] < rows
+    if len(lanes) == 1 or (box[2] // word - box[0] // word < 16 // word and box[3] - box[1] < rows
                            and box[3] // height - box[1] // height < tile_rows):
         return [(lanes, box)]
     half = len(lanes) // 2
@@ -54,9 +53,9 @@ def parts(x0, y0, blank, lanes, needs, size, word):
     (.3, .5), pytest.param(0, 0, marks=pytest.mark.regress)])
 def test_groups_become_boxes(needs, lanes, gap, stall):
     rng, count, size = np.random.default_rng(lanes), 400, 61
-    word = 16 if (needs, lanes) == (GRADIENT, 4) else 8
+    word = 4 if (needs, lanes) == (GRADIENT, 4) else 8
     first = rng.integers(0, 60, (count, 1, 2))
-    apart = rng.integers(-4, word, (count, lanes, 2)) // [1, word // 8 * 3]
+    apart = rng.integers(-4, 32 // word + 4, (count, lanes, 2)) // [1, 3]
     positions = np.clip(first + apart, 0, size - needs.core)
     blank = rng.random((count, lanes)) < .2
     blank[:3] = True
@@ -93,8 +92,8 @@ def test_groups_become_boxes(needs, lanes, gap, stall):
     assert sizes == {1 << k for k in range(lanes.bit_length())}
 
 
-@pytest.mark.parametrize("needs,word_bytes,split", MEMORIES)
-def test_any_window_in_one_clock(needs, word_bytes, split):
+@pytest.mark.parametrize("needs,banks,split", MEMORIES)
+def test_any_window_in_one_clock(needs, banks, split):
     """A frame that fits the cache as a whole; every position of a window in a block of tiles."""
     rng = np.random.default_rng(split)
     odd = split % 2 if needs.margin else 0      # whether rows are exchanged
@@ -102,7 +101,7 @@ def test_any_window_in_one_clock(needs, word_bytes, split):
     size, rows = needs.window, needs.box_rows
     across, down = 2 << split, kinds * (options.sets >> split)
     frame = rng.integers(0, 256, (height * down, 16 * across), np.uint8)
-    tiles = Tiles(options, word_bytes)
+    tiles = Tiles(options, banks)
 
     def set_of(tx, ty):
         return (ty // kinds) % (options.sets >> split) << split | (tx >> 1) % (1 << split)
@@ -116,13 +115,13 @@ def test_any_window_in_one_clock(needs, word_bytes, split):
             for tx in range(across):
                 slot = ((tx & 1) | ty % kinds << 1) * options.sets + set_of(tx, ty)
                 for row in range(height):
-                    for word in range(max(1, 16 // (2 * word_bytes))):
-                        start = 16 * tx + 2 * word_bytes * word
-                        pair = [int.from_bytes(frame[height * ty + row, start + each:][
-                            :word_bytes].tobytes(), "little")
-                            for each in ((0, word_bytes) if word_bytes < 16 else (0, 0))]
-                        ctx.set(tiles.fill, {"enable": 3, "slot": slot, "row": row, "word": word,
-                                             "data": pair})
+                    samples = frame[height * ty + row, 16 * tx:][:16].reshape(
+                        -1, banks.across, banks.word_bytes)
+                    for word, written in enumerate(samples):
+                        ctx.set(tiles.fill, {
+                            "enable": (1 << banks.across) - 1, "slot": slot, "row": row,
+                            "word": word,
+                            "data": [int.from_bytes(each.tobytes(), "little") for each in written]})
                         await ctx.tick()
         ctx.set(tiles.fill.enable, 0)
         for _ in range(300):
@@ -132,37 +131,20 @@ def test_any_window_in_one_clock(needs, word_bytes, split):
             ctx.set(tiles.box, {"set": set_of(tx, ty),
                                 "next_set": set_of(tx + 1, ty + kinds - 1),
                                 "odd_tile": {"x": tx & 1, "y": ty % kinds},
-                                "row": y % height, "word": (x & 15) // word_bytes})
+                                "row": y % height, "word": (x & 15) // banks.word_bytes})
             await ctx.tick().repeat(tiles.latency)
-            window = [[ctx.get(tiles.samples[(y + j) % rows ^ odd][(x + i) % (2 * word_bytes)])
+            window = [[ctx.get(tiles.samples[(y + j) % rows ^ odd][(x + i) % banks.columns])
                        for i in range(size)] for j in range(size)]
             assert window == frame[y:y + size, x:x + size].tolist(), (x, y)
 
     run_bench(tiles, bench)
 
 
-def test_the_columns_of_a_box_are_taken():
-    narrow = Narrow(GRADIENT)
-    block = np.random.default_rng(2).integers(0, 256, (GRADIENT.box_rows, 32))
-
-    async def take(ctx):
-        ctx.set(narrow.samples, block.tolist())
-        for first in range(32):
-            ctx.set(narrow.odd_tile, first >> 4)
-            ctx.set(narrow.column, first & 15)
-            await ctx.tick().repeat(1 + narrow.latency)
-            for x in range(first, first + 16):
-                assert [ctx.get(row[x % 16]) for row in narrow.o] == block[:, x % 32].tolist()
-
-    run_bench(narrow, take)
-
-
-@pytest.mark.parametrize("needs,word_bytes", sorted(
-    {each[:2] for each in MEMORIES if each[1] < 16}, key=str))
-def test_windows_are_cut_from_the_samples(needs, word_bytes):
+@pytest.mark.parametrize("needs,columns", [(FAST, 8), (FAST, 16), (GRADIENT, 16)])
+def test_windows_are_cut_from_the_samples(needs, columns):
     """Every position modulo the samples; of windows with a margin, with every edge now and then."""
-    rng = np.random.default_rng(word_bytes)
-    align, rows, columns = align_for(word_bytes, needs), needs.box_rows, 2 * word_bytes
+    rng = np.random.default_rng(columns)
+    align, rows = align_for(columns, needs), needs.box_rows
     block = rng.integers(0, 256, (rows, columns))
 
     def inside(k, edge):

@@ -5,7 +5,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from ncdc_model.correction import Correction
-from ncdc_spec.cache_options import BOX_COLUMNS
 from ncdc_spec.geometry import scan_order
 from ncdc_spec.hardware import check_lanes
 from ncdc_spec.interpolation import FAST, Interpolation
@@ -103,8 +102,8 @@ def lookups(windows, strip=0, lanes=1):
 
     A group of ``lanes`` neighbours of a row is one look-up if all samples of its pixels that are
     not blank fit a box that the tile memory reads in one clock: four rows, or eight for an
-    interpolation with larger windows, and 16 columns in two words of ``Interpolation.box_word``.
-    Else the group is divided in halves, and these likewise.
+    interpolation with larger windows, and the words of ``Interpolation.box_words``. Else the group
+    is divided in halves, and these likewise.
 
     Raises
     ------
@@ -121,7 +120,7 @@ def lookups(windows, strip=0, lanes=1):
     parts = []
     for piece in pieces(x0.size):
         edges = _Edges(*_bounds(windows, x0[piece], y0[piece]), used[piece], needs,
-                       needs.box_word(lanes))
+                       needs.box_words(lanes))
         boxes, begins = _grouped(edges, lanes)
         parts.append((*(array[begins] for array in boxes.arrays()),
                       (piece.start + np.flatnonzero(begins)).astype(np.int32)))
@@ -157,7 +156,7 @@ def _grouped(edges, lanes):
 class _Edges:
     """Boxes around runs of equally many pixels.
 
-    ``word``: samples of a word of the tile memory.
+    ``words``: (number, samples) of the words of a box in a row.
     """
     x0: np.ndarray
     y0: np.ndarray
@@ -165,7 +164,7 @@ class _Edges:
     y1: np.ndarray
     used: np.ndarray
     interpolation: Interpolation
-    word: int
+    words: tuple
 
     def arrays(self):
         return self.x0, self.y0, self.x1, self.y1, self.used
@@ -174,23 +173,24 @@ class _Edges:
     def fits(self):
         """Whether one clock is enough."""
         needs = self.interpolation
-        across = self.x1 // self.word - self.x0 // self.word
+        most, samples = self.words
+        across = self.x1 // samples - self.x0 // samples
         down = self.y1 // needs.tile_height - self.y0 // needs.tile_height
-        return ~self.used | ((across <= 1) & (self.x1 - self.x0 < BOX_COLUMNS)
-                             & (self.y1 - self.y0 < needs.box_rows) & (down < needs.tile_rows))
+        return ~self.used | ((across < most) & (self.y1 - self.y0 < needs.box_rows)
+                             & (down < needs.tile_rows))
 
     def joined(self):
         """Boxes around each two neighbours; blank ones are ignored."""
-        a, b = (_Edges(*(array[k::2] for array in self.arrays()), self.interpolation, self.word)
+        a, b = (_Edges(*(array[k::2] for array in self.arrays()), self.interpolation, self.words)
                 for k in (0, 1))
         both = a.used & b.used
         return _Edges(*(np.where(both, outer(one, other), np.where(b.used, other, one))
                         for one, other, outer in zip(a.arrays()[:4], b.arrays()[:4],
                                                      (np.minimum,) * 2 + (np.maximum,) * 2)),
-                      a.used | b.used, self.interpolation, self.word)
+                      a.used | b.used, self.interpolation, self.words)
 
     def where(self, chosen, other, span):
         """These, or where ``chosen`` those of ``other``, each repeated ``span`` times."""
         return _Edges(*(np.where(chosen, np.repeat(new, span), old)
                         for old, new in zip(self.arrays(), other.arrays())),
-                      self.interpolation, self.word)
+                      self.interpolation, self.words)

@@ -7,7 +7,7 @@ from amaranth.lib import data, wiring
 from amaranth.lib.wiring import In, Out
 from amaranth.utils import ceil_log2
 
-from ncdc_hdl.backend.cache.tiles import COLUMNS, samples_layout
+from ncdc_hdl.backend.cache.tiles import samples_layout
 from ncdc_hdl.backend.layouts import edges
 from ncdc_hdl.lib.choice import chosen
 from ncdc_hdl.lib.pipeline import delay, register
@@ -16,15 +16,15 @@ from ncdc_spec.cache_options import TILE_WIDTH
 __all__ = ["align_for"]
 
 
-def align_for(word_bytes, interpolation):
-    """The class that cuts the windows of ``interpolation`` out of words of ``word_bytes`` bytes."""
-    return (AlignMirrored if interpolation.margin else Align)(word_bytes, interpolation)
+def align_for(columns, interpolation):
+    """The class that cuts the windows of ``interpolation`` out of ``columns`` samples of a row."""
+    return (AlignMirrored if interpolation.margin else Align)(columns, interpolation)
 
 
 class _Align(wiring.Component):
     """Samples of a window, from samples that are ordered by x and y modulo the box::
 
-        o[k] = samples[(y - margin + j) mod M][(x - margin + i) mod (2 word_bytes)]
+        o[k] = samples[(y - margin + j) mod M][(x - margin + i) mod columns]
 
     for each (j, i) of ``interpolation.samples``.
 
@@ -35,7 +35,7 @@ class _Align(wiring.Component):
     -------
     take : ``In(1)``
         Whether ``o`` loads the output of the last stage but one; the others free-run.
-    samples : ``In(samples_layout(word_bytes, interpolation))``
+    samples : ``In(samples_layout(columns, interpolation))``
     x, y : ``In``
         Low bits of the sample of the first point.
     edge_x, edge_y : ``In(edge_layout(interpolation))``
@@ -45,12 +45,12 @@ class _Align(wiring.Component):
     o : ``Out(ArrayLayout(8, n))``
     """
 
-    def __init__(self, word_bytes, interpolation):
-        self.word_bytes, self.interpolation = word_bytes, interpolation
+    def __init__(self, columns, interpolation):
+        self.columns, self.interpolation = columns, interpolation
         layouts = edges(interpolation)
         super().__init__({
             "take": In(1),
-            "samples": In(samples_layout(word_bytes, interpolation)),
+            "samples": In(samples_layout(columns, interpolation)),
             "x": In(ceil_log2(TILE_WIDTH)),
             "y": In(ceil_log2(interpolation.box_rows)),
             "o": Out(data.ArrayLayout(8, len(interpolation.samples))),
@@ -68,12 +68,11 @@ class Align(_Align):
     def elaborate(self, platform):
         m = Module()
         window, rows = self.interpolation.window, self.interpolation.box_rows
-        bytes_across = COLUMNS * self.word_bytes
-        byte = delay(m, self.x[:ceil_log2(bytes_across)], 2, "byte")
+        byte = delay(m, self.x[:ceil_log2(self.columns)], 2, "byte")
         for j in range(window):
             which = register(m, f"which{j}", (self.y + j)[:ceil_log2(rows)])
             row = register(m, f"row{j}", Value.cast(self.samples[which]))
-            # The second word is followed by the first one.
+            # The last word is followed by the first one.
             around = Cat(row, row)
             with m.If(self.take):
                 m.d.sync += Cat(*(self.o[window * j + k] for k in range(window))).eq(
@@ -103,7 +102,7 @@ class AlignMirrored(_Align):
 
         staged = partial(register, m)
         # The first column and row of the window, their low bits.
-        across = COLUMNS * self.word_bytes // ring      # rings side by side in the samples
+        across = self.columns // ring      # rings side by side in the samples
         column, row = Signal(bits + ceil_log2(across)), Signal(bits)
         m.d.comb += [column.eq(self.x - needs.margin), row.eq(self.y - needs.margin)]
         # Stage 1: the columns from the window's first one on.

@@ -10,7 +10,6 @@ from amaranth.utils import ceil_log2, exact_log2
 
 from ncdc_hdl.backend.layouts import request_layout
 from ncdc_hdl.lib.groups import lanes_of
-from ncdc_spec.cache_options import BOX_COLUMNS
 from ncdc_spec.geometry import MAX_SIZE
 from ncdc_spec.interpolation import FAST
 
@@ -34,10 +33,10 @@ def box_layout(f_bits, lanes, interpolation=FAST):
 class Boxes(wiring.Component):
     """One box for all windows of a group if it can be read in one clock; else one per half.
 
-    A box fits if it has at most 16 columns, in two words of the tile memory
-    (``Interpolation.box_word``), the rows that it outputs, and as many rows of tiles as can be
-    looked up. A group that does not fit is cut in halves, these likewise, from left to right; the
-    window of one pixel always fits. Blank pixels take no part.
+    A box fits if it has no more words in a row (``Interpolation.box_words``) and no more rows than
+    the tile memory outputs, and no more rows of tiles than can be looked up. A group that does not
+    fit is cut in halves, these likewise, from left to right; the window of one pixel always fits.
+    Blank pixels take no part.
 
     Only the part in the frame counts, for windows with a margin.
 
@@ -188,14 +187,13 @@ class Boxes(wiring.Component):
         A box of several rows of tiles is limited by their number, else by its rows.
         """
         needs = self.interpolation
-        word = needs.box_word(self.lanes)
+        words, samples = needs.box_words(self.lanes)
         height, rows = needs.tile_height, needs.tile_rows
         low, limit = 0, needs.box_rows
         if rows * height <= limit:
             low, limit = exact_log2(height), rows
-        # 16 columns lie in two words of 16 at any position, in two words of 8 at some.
-        left = exact_log2(word) if word < BOX_COLUMNS else 0
-        return ((b.x1[left:] - a.x0[left:] < (2 if left else BOX_COLUMNS))
+        left = exact_log2(samples)
+        return ((b.x1[left:] - a.x0[left:] < words)
                 & (b.y1[low:] - a.y0[low:] < limit))
 
 

@@ -7,7 +7,7 @@ from amaranth.lib.wiring import In, Out
 from ncdc_hdl.avalon.bus import ADDRESS_BITS, ReadHost
 from ncdc_hdl.backend.cache.boxes import Boxes
 from ncdc_hdl.backend.cache.fills import Fills
-from ncdc_hdl.backend.cache.layouts import lanes_set_to, set_bits, stalls_layout, word_bytes
+from ncdc_hdl.backend.cache.layouts import banks_for, lanes_set_to, set_bits, stalls_layout
 from ncdc_hdl.backend.cache.locate import Locate
 from ncdc_hdl.backend.cache.retire import Retire
 from ncdc_hdl.backend.cache.tags import Tags
@@ -83,18 +83,18 @@ class Cache(wiring.Component):
                  lut_tiles=False):
         self.f_bits, self.data_width, self.options, self.lanes = f_bits, data_width, options, lanes
         needs = options.interpolation
-        width = word_bytes(data_width, lanes, needs)
+        banks = banks_for(data_width, lanes, needs)
         # The tag stage's stalls end here, and not in the stages that compute the windows.
         self.entry = Relay(request_layout(f_bits, lanes, needs))
         self.boxes = Boxes(f_bits, lanes, needs)
         self.locate = Locate(f_bits, options, lanes)
         self.tags = Tags(f_bits, options, lanes)
         self.raw_balance = raw_balance
-        self.fills = Fills(options, data_width, width, raw_balance)
-        self.tiles = Tiles(options, width, lut_tiles)
+        self.fills = Fills(options, data_width, banks, raw_balance)
+        self.tiles = Tiles(options, banks, lut_tiles)
         # Each box belongs to one group: so many groups at most are on their way to the queue.
         before = self.boxes.latency + self.locate.capacity + self.tags.latency
-        self.retire = Retire(f_bits, options, width, lanes, before)
+        self.retire = Retire(f_bits, options, banks, lanes, before)
         super().__init__({
             "base": In(ADDRESS_BITS), "limit": In(ADDRESS_BITS), "pitch": In(SIZE),
             "height": In(SIZE), "memory_rst": In(1), "outside": Out(1), "empty": Out(1),

@@ -3,7 +3,7 @@
 from amaranth import *
 from amaranth.lib import wiring
 from amaranth.lib.wiring import In, Out
-from amaranth.utils import ceil_log2
+from amaranth.utils import ceil_log2, exact_log2
 
 from ncdc_hdl.avalon.bus import ADDRESS_BITS, ReadHost
 from ncdc_hdl.avalon.read_commands import ReadCommands
@@ -36,8 +36,8 @@ class Fills(wiring.Component):
     options : CacheOptions
     data_width : int
         Bits of a memory word.
-    word_bytes : int
-        Bytes of a word of the tile memory.
+    banks : Banks
+        Of the tile memory.
     raw_balance : bool
         Whether samples have gains on their way into the tile memory.
 
@@ -67,8 +67,8 @@ class Fills(wiring.Component):
     latency = 1 + Fifo.latency + TileRequests.latency + ReadFence.latency + ReadCommands.latency
     """Clocks from a claim to the tile's first command on the bus, a register before the rest."""
 
-    def __init__(self, options, data_width, word_bytes, raw_balance=False):
-        self.options, self.data_width, self.word_bytes = options, data_width, word_bytes
+    def __init__(self, options, data_width, banks, raw_balance=False):
+        self.options, self.data_width, self.banks = options, data_width, banks
         self.balanced = RawBalance(data_width) if raw_balance else None
         self.burst = 8 * TILE_WIDTH // data_width
         super().__init__({
@@ -77,7 +77,7 @@ class Fills(wiring.Component):
             **({"balance": In(BALANCE, init=NO_BALANCE)} if raw_balance else {}),
             "memory_rst": In(1), "outside": Out(1), "empty": Out(1),
             "claim": In(1), "tile": In(tile_layout(options)), "credit": Out(1, init=1),
-            "fill": Out(fill_layout(options, word_bytes)), "filled": Out(1),
+            "fill": Out(fill_layout(options, banks)), "filled": Out(1),
             "bus": Out(ReadHost(data_width, self.burst)),
         })
 
@@ -155,28 +155,25 @@ class Fills(wiring.Component):
                      self.filled.eq(complete)]
         m.d.comb += slots.r_en.eq(complete)
 
-        fill, width = self.fill, 8 * self.word_bytes
-        m.d.sync += [fill.slot.eq(slots.r_data), fill.row.eq(beat >> ceil_log2(self.burst))]
-        # Words of the tile memory along a row alternate between two banks.
-        if self.data_width == 2 * width:
-            word = beat[:ceil_log2(self.burst)]
-            m.d.sync += [fill.enable.eq(came.replicate(2)), fill.word.eq(word),
-                         fill.data[0].eq(arrived[:width]), fill.data[1].eq(arrived[width:])]
-        else:
-            parts = width // self.data_width
-            part_bits = ceil_log2(parts)
-            word = beat[part_bits:ceil_log2(self.burst)]
-            gathered = arrived
-            if parts > 1:
-                before = Signal(width - self.data_width)
-                with m.If(came):
-                    m.d.sync += before.eq(Cat(before, arrived)[self.data_width:])
-                gathered = Cat(before, arrived)
-            last = beat[:part_bits] == parts - 1
-            # A row of a tile that is one word goes to the bank of its tile's column.
-            bank = 1 << word[0] if len(word) else 0b11
-            m.d.sync += [fill.enable.eq(Mux(came & last, bank, 0)), fill.word.eq(word[1:]),
-                         fill.data[0].eq(gathered), fill.data[1].eq(gathered)]
+        fill, width = self.fill, 8 * self.banks.word_bytes
+        parts = max(1, width // self.data_width)        # words from the memory in a word of a bank
+        together = max(1, self.data_width // width)     # words of banks in a word from the memory
+        groups = self.banks.across // together          # of banks that are written together
+        part_bits, group_bits = exact_log2(parts), exact_log2(groups)
+        word = beat[part_bits:ceil_log2(self.burst)]
+        gathered = arrived
+        if parts > 1:
+            before = Signal(width - self.data_width)
+            with m.If(came):
+                m.d.sync += before.eq(Cat(before, arrived)[self.data_width:])
+            gathered = Cat(before, arrived)
+        last = came & (beat[:part_bits] == parts - 1)
+        # Words along a row go to one group of banks after the other.
+        m.d.sync += [
+            fill.slot.eq(slots.r_data), fill.row.eq(beat >> ceil_log2(self.burst)),
+            fill.enable.eq(Cat((last & (word[:group_bits] == group)).replicate(together)
+                               for group in range(groups))),
+            fill.word.eq(word[group_bits:]), Value.cast(fill.data).eq(gathered.replicate(groups))]
 
     def _samples(self, m, commands, coming):
         """(Whether a word comes, its number, its samples), after the gains if there are any."""

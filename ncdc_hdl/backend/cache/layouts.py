@@ -10,10 +10,10 @@ from ncdc_hdl.lib.groups import lanes_of
 from ncdc_spec.cache_options import TILE_WIDTH
 from ncdc_spec.geometry import MAX_SIZE
 
-__all__ = ["PAIR_X_BITS", "TILE_X_BITS", "bank_tile", "lanes_layout", "lanes_set_to",
-           "lookup_layout", "pair_y_bits", "row_bits", "set_bits", "slot_bits", "stalls_layout",
-           "tile_layout", "tile_y_bits", "tiles_layout", "tiles_of", "window_position_layout",
-           "word_bytes"]
+__all__ = ["Banks", "PAIR_X_BITS", "TILE_X_BITS", "bank_tile", "banks_for", "lanes_layout",
+           "lanes_set_to", "lookup_layout", "pair_y_bits", "row_bits", "set_bits", "slot_bits",
+           "stalls_layout", "tile_layout", "tile_y_bits", "tiles_layout", "tiles_of",
+           "window_position_layout"]
 
 TILE_X_BITS = ceil_log2(MAX_SIZE // TILE_WIDTH)
 # Tiles come in pairs, an even one and the odd one after it; a bank holds one of each pair. Rows of
@@ -46,12 +46,21 @@ def slot_bits(options):
     return ceil_log2(options.tiles)
 
 
-def word_bytes(data_width, lanes, interpolation):
-    """Bytes per clock of one bank of the tile memory, see ``tiles``. A window at any position
-    is in two words of four bytes only if it has at most five columns."""
+class Banks(namedtuple("Banks", ["across", "word_bytes"])):
+    """Banks of the tile memory side by side, and bytes of the word that each outputs per clock."""
+
+    @property
+    def columns(self):
+        """Samples of a row that all of them output."""
+        return self.across * self.word_bytes
+
+
+def banks_for(data_width, lanes, interpolation):
+    """The :class:`Banks` of a cache. A window at any position is in two words of four bytes only
+    if it has at most five columns."""
     if lanes > 1 or interpolation.window > 5:
-        return interpolation.box_word(lanes)
-    return 8 if data_width == 128 else 4
+        return Banks(*interpolation.box_words(lanes))
+    return Banks(2, 8 if data_width == 128 else 4)
 
 
 def lanes_layout(f_bits, options, lanes):
@@ -80,11 +89,10 @@ def window_position_layout(f_bits, options, lanes):
     :func:`lanes_layout` of a single one. A group of several lanes may take several look-ups, and
     waits elsewhere: ``mask`` marks the lanes of this one, ``end`` the
     group's last one. The box begins at ``word`` and ``row`` of the first tile. A single window
-    without a margin begins at its ``x`` and ``y``. With whole rows of tiles as words, which are
-    narrowed to the box, it begins at ``column`` of the word.
+    without a margin begins at its ``x`` and ``y``.
     """
     needs = options.interpolation
-    word = needs.box_word(lanes)
+    _, word = needs.box_words(lanes)
     fields = {
         "set": set_bits(options), "next_set": set_bits(options),
         "odd_tile": data.StructLayout({"x": 1, "y": row_bits(options)}),
@@ -94,8 +102,6 @@ def window_position_layout(f_bits, options, lanes):
         fields |= {"mask": lanes, "end": 1}
     if lanes > 1 or needs.margin:
         fields |= {"word": ceil_log2(TILE_WIDTH // word), "row": ceil_log2(options.tile_height)}
-    if word == TILE_WIDTH:
-        fields |= {"column": ceil_log2(TILE_WIDTH)}
     return data.StructLayout(fields)
 
 

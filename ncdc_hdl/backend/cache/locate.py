@@ -114,8 +114,6 @@ class Locate(wiring.Component):
         if "word" in position.shape().members:
             m.d.comb += [position.word.eq(box.x0[_X_BITS - len(position.word):]),
                          position.row.eq(box.y0)]
-        if "column" in position.shape().members:
-            m.d.comb += position.column.eq(box.x0)
 
     def _needs(self, m, need, used, columns, rows):
         """Which banks a box needs: ``columns`` and ``rows`` are what its first tile leaves, divided

@@ -7,14 +7,12 @@ from amaranth.utils import ceil_log2
 
 from ncdc_hdl.backend.cache.align import align_for
 from ncdc_hdl.backend.cache.layouts import lanes_layout, window_position_layout
-from ncdc_hdl.backend.cache.narrow import Narrow
 from ncdc_hdl.backend.cache.tiles import Tiles, box_layout, samples_layout
 from ncdc_hdl.backend.layouts import edges, window_layout
 from ncdc_hdl.lib.credits import Credited
 from ncdc_hdl.lib.groups import lanes_of
 from ncdc_hdl.lib.memory import Fifo
 from ncdc_hdl.lib.pipeline import register
-from ncdc_spec.cache_options import BOX_COLUMNS, TILE_WIDTH
 
 __all__ = ["Retire"]
 
@@ -36,8 +34,8 @@ class Retire(wiring.Component):
     ----------
     f_bits, options, lanes
         As in :class:`ncdc_hdl.backend.cache.cache.Cache`.
-    word_bytes : int
-        Bytes of a word of the tile memory.
+    banks : Banks
+        Of the tile memory.
     before : int
         Groups, at most, that have entered and whose last look-up is not pushed yet.
 
@@ -66,18 +64,15 @@ class Retire(wiring.Component):
     filled_to_retire = 1 + 1
     """Clocks from ``filled`` to ``retire`` of the look-up that waits for it: the balance, B."""
 
-    def __init__(self, f_bits, options, word_bytes, lanes=1, before=0):
+    def __init__(self, f_bits, options, banks, lanes=1, before=0):
         self.f_bits, self.options = f_bits, options
-        self.word_bytes, self.lanes, self.before = word_bytes, lanes, before
+        self.banks, self.lanes, self.before = banks, lanes, before
         self.position_shape = window_position_layout(f_bits, options, lanes)
         # Of the oldest look-up, and of those in the stages.
         self.lanes_shape = lanes_layout(f_bits, options, lanes)
         self.window_shape = data.StructLayout(
             self.position_shape.members | {"lane": self.lanes_shape})
-        # Whole rows of tiles: of their columns only those of the box are aligned.
-        self.narrow = Narrow(options.interpolation) if word_bytes == TILE_WIDTH else None
-        self.aligns = [align_for(min(word_bytes, BOX_COLUMNS // 2), options.interpolation)
-                       for _ in range(lanes)]
+        self.aligns = [align_for(banks.columns, options.interpolation) for _ in range(lanes)]
         super().__init__({
             "push": In(1),
             "position": In(self.position_shape),
@@ -86,21 +81,16 @@ class Retire(wiring.Component):
             "retire": Out(1),
             "waiting": Out(1),
             "load": Out(1),
-            "box": Out(box_layout(options, word_bytes)),
-            "samples": In(samples_layout(word_bytes, options.interpolation)),
+            "box": Out(box_layout(options, banks)),
+            "samples": In(samples_layout(banks.columns, options.interpolation)),
             "o": Out(Credited(window_layout(f_bits, lanes, options.interpolation))),
         } | ({"enters": In(1), "group": In(self.lanes_shape)} if lanes > 1 else {})
             | ({"odd_rows": In(1)} if options.interpolation.margin else {}))
 
     @property
     def retire_to_window(self):
-        """Clocks from ``retire``, which is B, to the window at ``o``: M and S, N, the alignment."""
-        return Tiles.latency - 2 + self._narrowing + self.aligns[0].latency
-
-    @property
-    def _narrowing(self):
-        """Clocks from the samples to those of the box."""
-        return self.narrow.latency if self.narrow else 0
+        """Clocks from ``retire``, which is B, to the window at ``o``: M and S, the alignment."""
+        return Tiles.latency - 2 + self.aligns[0].latency
 
     @property
     def latency(self):
@@ -141,15 +131,8 @@ class Retire(wiring.Component):
             self.box.odd_tile.eq(following.odd_tile),
             self.box.word.eq(word), self.box.row.eq(row),
         ]
-        samples = self.samples
-        if self.narrow:
-            m.submodules.narrow = narrow = self.narrow
-            _, in_m = stages[1]
-            m.d.comb += [narrow.odd_tile.eq(in_m.odd_tile.x), narrow.column.eq(in_m.column),
-                         narrow.samples.eq(samples)]
-            samples = narrow.o
-        _, ahead = stages[1 + self._narrowing]
-        self._windows(m, samples, ahead, *stages[-2:])
+        (_, in_m), *_ = stages[1:]
+        self._windows(m, in_m, *stages[-2:])
         return m
 
     def _queue(self, m, load):
@@ -205,20 +188,19 @@ class Retire(wiring.Component):
         """Registers of the stages after the oldest look-up, each (valid, position).
 
         B: the tile memory has the box's address. M: its banks output their words. S: they are
-        samples. N, if they are narrowed: those of the box. W, and as many more as the alignment
-        has: each window is cut out of them; with the last stage of the alignment it is in the
-        output.
+        samples. W, and as many more as the alignment has: each window is cut out of them; with the
+        last stage of the alignment it is in the output.
         """
         stages, before = [], (pop, oldest)
         cuts = self.aligns[0].latency - 1
-        for name in (*"bmsn"[:3 + self._narrowing], *(f"w{k}" if k else "w" for k in range(cuts))):
+        for name in (*"bms", *(f"w{k}" if k else "w" for k in range(cuts))):
             before = (register(m, f"{name}_valid", before[0], reset_less=False),
                       register(m, name, before[1]))
             stages.append(before)
         return stages
 
-    def _windows(self, m, samples, ahead, before, end):
-        """Cut the windows out of the ``samples``.
+    def _windows(self, m, ahead, before, end):
+        """Cut the windows out of the samples.
 
         The position ``ahead`` is in the stage before theirs; ``before`` and ``end``, each (valid,
         position), are the last two stages.
@@ -233,7 +215,7 @@ class Retire(wiring.Component):
                             reset_less=False) if several else Const(1)
             m.submodules[f"align{k}"] = align = self.aligns[k]
             m.d.comb += [
-                align.take.eq(take), align.samples.eq(samples),
+                align.take.eq(take), align.samples.eq(self.samples),
                 align.x.eq(ahead.lane[k].x), align.y.eq(ahead.lane[k].y), out.samples.eq(align.o),
                 *(getattr(align, edge).eq(ahead.lane[k][edge])
                   for edge in edges(self.options.interpolation)),
@@ -263,7 +245,7 @@ class Retire(wiring.Component):
         if "word" in self.position_shape.members:
             return position.word, position.row
         lane = position.lane[0]
-        return lane.x[ceil_log2(self.word_bytes):], lane.y
+        return lane.x[ceil_log2(self.banks.word_bytes):], lane.y
 
 
 def _owed(missing):

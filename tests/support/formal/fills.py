@@ -8,7 +8,7 @@ from formal.properties import always, given, inner, reached
 from formal.wrapper import Wrapper
 from ncdc_hdl.avalon.bus import ADDRESS_BITS
 from ncdc_hdl.backend.cache.fills import Fills
-from ncdc_hdl.backend.cache.layouts import tile_layout, word_bytes
+from ncdc_hdl.backend.cache.layouts import banks_for, tile_layout
 from ncdc_hdl.lib.pipeline import delay
 from ncdc_spec.cache_options import CacheOptions
 from ncdc_spec.interpolation import FAST
@@ -55,7 +55,7 @@ class FillSpace(_Fills):
     def __init__(self, data_width=128, outstanding=2, kind=Fills, needs=FAST):
         options = CacheOptions(tiles=16, pending=4, outstanding=outstanding, sequence_bits=4,
                                interpolation=needs)
-        super().__init__(kind(options, data_width, word_bytes(data_width, 1, needs)))
+        super().__init__(kind(options, data_width, banks_for(data_width, 1, needs)))
 
     def elaborate(self, platform):
         m = Module()
@@ -124,7 +124,7 @@ class FillOrder(_Fills):
     def __init__(self, data_width=128, kind=Fills, needs=FAST):
         options = CacheOptions(tiles=16, pending=4, outstanding=2, sequence_bits=4,
                                interpolation=needs)
-        super().__init__(kind(options, data_width, word_bytes(data_width, 1, needs)))
+        super().__init__(kind(options, data_width, banks_for(data_width, 1, needs)))
 
     def more(self):
         return {"watch": In(1)}

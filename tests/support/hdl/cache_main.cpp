@@ -258,7 +258,7 @@ private:
     // Steps of row, or column, k of a window from its core.
     static int away(int k) { return std::max({kMargin - k, k - kAfter, 0}); }
 
-    // What the cache must ask for: a box of two words of 8 bytes by NCDC_BOX_ROWS rows, of no more
+    // What the cache must ask for: a box of NCDC_BOX_WORDS words by NCDC_BOX_ROWS rows, of no more
     // than kRows rows of tiles, is one look-up; a group that needs more is cut in halves.
     void ask(const Group& group, int from, int count) {
         std::uint32_t x0 = ~0u, x1 = 0, y0 = ~0u, y1 = 0;
@@ -271,7 +271,7 @@ private:
             y0 = std::min(y0, first(p.y)), y1 = std::max(y1, last(p.y, f.height));
         }
         if (!any) return;
-        if (count > 1 && (x1 / NCDC_BOX_WORD > x0 / NCDC_BOX_WORD + 1 || x1 >= x0 + 16
+        if (count > 1 && (x1 / NCDC_BOX_WORD >= x0 / NCDC_BOX_WORD + NCDC_BOX_WORDS
                           || y1 >= y0 + NCDC_BOX_ROWS || y1 / kHeight >= y0 / kHeight + kRows)) {
             ask(group, from, count / 2);
             ask(group, from + count / 2, count / 2);

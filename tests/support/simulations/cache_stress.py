@@ -52,7 +52,8 @@ def stress_cache(cache, *, groups, frame_bits=12, seed=1, resets=0, far=0, veril
                "NCDC_TILES": cache.options.tiles, "NCDC_FRACTION_BITS": cache.f_bits,
                "NCDC_CORE": needs.core, "NCDC_MARGIN": needs.margin,
                "NCDC_TILE_HEIGHT": needs.tile_height, "NCDC_TILE_ROWS": needs.tile_rows,
-               "NCDC_BOX_ROWS": needs.box_rows, "NCDC_BOX_WORD": needs.box_word(cache.lanes),
+               "NCDC_BOX_ROWS": needs.box_rows, "NCDC_BOX_WORDS": needs.box_words(cache.lanes)[0],
+               "NCDC_BOX_WORD": needs.box_words(cache.lanes)[1],
                "NCDC_WINDOW_LATENCY": cache.window_latency,
                "NCDC_GAIN_BITS": GAIN_BITS * cache.raw_balance}
     for letter, layout in (("I", request_layout(cache.f_bits, cache.lanes, needs)),
