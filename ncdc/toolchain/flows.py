@@ -17,6 +17,7 @@ from amaranth.lib import wiring
 from amaranth.lib.wiring import In
 
 from ncdc.toolchain.ecp5_netlist.adder_inputs import absorb_inversions
+from ncdc.toolchain.ecp5_netlist.joined_tables import absorb_tables
 from ncdc.toolchain.ecp5_netlist.multiplier_registers import absorb_multiplier_registers
 from ncdc.toolchain.ecp5_netlist.output_registers import absorb_output_registers
 from ncdc_spec.errors import InputError
@@ -258,19 +259,20 @@ def plain_netlist(verilog, top, *, progress=lambda step: None):
 
 
 def absorbed(netlist, top):
-    """A netlist of :func:`plain_netlist`, the registers of its hard blocks in use.
+    """A netlist of :func:`plain_netlist`, with more in its hard blocks and joined tables.
 
-    Runs the three steps of ``ecp5_netlist/``, which vendors' tools do and Yosys does not.
+    Runs the four steps of ``ecp5_netlist/``, which vendors' tools do and Yosys does not.
     """
     netlist = json.loads(netlist)
     absorb_output_registers(netlist, top)
     absorb_multiplier_registers(netlist, top)
     absorb_inversions(netlist, top)
+    absorb_tables(netlist, top)
     return json.dumps(netlist)
 
 
 def ecp5_netlist(verilog, top, *, progress=lambda step: None):
-    """Netlist for ECP5 of ``verilog`` as JSON text, the registers of its hard blocks in use."""
+    """Netlist for ECP5 of ``verilog`` as JSON text, :func:`absorbed`."""
     return absorbed(plain_netlist(verilog, top, progress=progress), top)
 
 

@@ -11,6 +11,7 @@ import pytest
 from ncdc.cli import main
 from ncdc.toolchain import flows as synthesis
 from ncdc.toolchain.ecp5_netlist.adder_inputs import absorb_inversions
+from ncdc.toolchain.ecp5_netlist.joined_tables import absorb_tables
 from ncdc.toolchain.ecp5_netlist.multiplier_registers import absorb_multiplier_registers
 from ncdc_bench.synth import measure as synthesis_rows
 from ncdc_bench.synth.blocks import BLOCKS
@@ -23,11 +24,12 @@ WORSE = 0.05            # by which a figure may be worse than the table of the d
 BASELINE = Path(__file__).resolve().parents[2] / "docs" / "evidence" / "synthesis.json"
 
 # Adders and subtractors chosen by a wire, one with an inverted input; registered products,
-# one with an enable.
+# one with an enable; one of four bits.
 DESIGN = """
 module top(input clk, input s, input t, input [5:0] a, input [5:0] b, input signed [3:0] x,
     input signed [2:0] y, output reg [6:0] sum, output reg [6:0] other, output reg signed [6:0] p,
-    output reg signed [6:0] q, output signed [3:0] seen, output reg signed [6:0] r);
+    output reg signed [6:0] q, output signed [3:0] seen, output reg signed [6:0] r,
+    input [5:0] c, input [5:0] d, output reg [5:0] one);
   reg signed [3:0] x0, z0, x1;
   reg signed [2:0] y0, y1;
   reg signed [6:0] p0, q0, r0;
@@ -36,6 +38,7 @@ module top(input clk, input s, input t, input [5:0] a, input [5:0] b, input sign
     sum <= {a, 1'b1} + {b ^ {6{s}}, s};
     other <= {a, 1'b1} + {~b ^ {6{t}}, t};
     x0 <= x; y0 <= y; z0 <= x ^ y;
+    one <= s ? (t ? a : b) : (t ? c : d);
     p0 <= x0 * y0; p <= p0;
     q0 <= z0 * y0; q <= q0;
     if (s) begin x1 <= x; y1 <= y; r0 <= x1 * y1; r <= r0; end
@@ -44,15 +47,16 @@ endmodule
 """
 BENCH = """
 module bench;
-  reg clk = 0, s = 0, t = 0; reg [5:0] a = 0, b = 0; reg [3:0] x = 0; reg [2:0] y = 0;
-  wire [38:0] gold, gate; integer k, wrong = 0;
+  reg clk = 0, s = 0, t = 0; reg [5:0] a = 0, b = 0, c = 0, d = 0; reg [3:0] x = 0; reg [2:0] y = 0;
+  wire [44:0] gold, gate; integer k, wrong = 0;
   top g(clk, s, t, a, b, x, y, gold[31:25], gold[24:18], gold[17:11], gold[10:4], gold[3:0],
-        gold[38:32]);
+        gold[38:32], c, d, gold[44:39]);
   gate n(.clk(clk), .s(s), .t(t), .a(a), .b(b), .x(x), .y(y), .sum(gate[31:25]),
-         .other(gate[24:18]), .p(gate[17:11]), .q(gate[10:4]), .seen(gate[3:0]), .r(gate[38:32]));
+         .other(gate[24:18]), .p(gate[17:11]), .q(gate[10:4]), .seen(gate[3:0]), .r(gate[38:32]),
+         .c(c), .d(d), .one(gate[44:39]));
   initial begin
     for (k = 0; k < 3000; k = k + 1) begin
-      {s, t, a, b, x, y} = $random;
+      {s, t, a, b, c, d, x, y} = {$random, $random};
       #1 clk = 1; #1 if (k > 60 && gold !== gate) wrong = wrong + 1;
       clk = 0;
     end
@@ -65,6 +69,9 @@ MODEL = """
 module LUT4(input A, input B, input C, input D, output Z);
   parameter INIT = 0;
   assign Z = INIT >> {{D, C, B, A}};
+endmodule
+module PFUMX(input ALUT, BLUT, C0, output Z);
+  assign Z = C0 ? ALUT : BLUT;
 endmodule
 module CCU2C(input CIN, A0, B0, C0, D0, A1, B1, C1, D1, output S0, S1, COUT);
   parameter [15:0] INIT0 = 0, INIT1 = 0; parameter INJECT1_0 = "YES", INJECT1_1 = "YES";
@@ -118,7 +125,8 @@ def netlists(tmp_path_factory):
     assert done.returncode == 0, done.stdout + done.stderr
     before = json.loads((folder / "before.json").read_text())
     after = copy.deepcopy(before)
-    counts = absorb_multiplier_registers(after, "top"), absorb_inversions(after, "top")
+    counts = (absorb_multiplier_registers(after, "top"), absorb_inversions(after, "top"),
+              absorb_tables(after, "top"))
     return folder, before, after, counts
 
 
@@ -138,14 +146,16 @@ def differences(folder, netlist):
                               capture_output=True).stdout.split()[-1])
 
 
-def test_registers_and_inversions_are_absorbed(netlists):
-    _, before, after, (registers, inversions) = netlists
+def test_registers_inversions_and_tables_are_absorbed(netlists):
+    _, before, after, (registers, inversions, tables) = netlists
     # Both factors' registers of the three products, and two after each.
     assert registers == 12
     assert inversions == 12
+    # A table of each of the six bits; two and the multiplexer between them are left.
+    assert tables == 6
     # x ^ y is read elsewhere too: its flip-flops stay.
     assert len(cells(before, "TRELLIS_FF")) - len(cells(after, "TRELLIS_FF")) == 2 * (4 + 3) + 42
-    assert len(cells(before, "LUT4")) - len(cells(after, "LUT4")) == 12
+    assert len(cells(before, "LUT4")) - len(cells(after, "LUT4")) == 12 + 6
 
 
 def test_the_changed_netlist_does_the_same(netlists):
@@ -164,6 +174,11 @@ def test_a_wrong_netlist_is_seen(netlists):
     for cell in cells(always, "MULT18X18D"):
         cell["connections"]["CE0"] = ["1"]
     assert enabled and differences(folder, always) > 1000
+    exchanged = copy.deepcopy(after)
+    for cell in cells(exchanged, "PFUMX"):
+        wires = cell["connections"]
+        wires["ALUT"], wires["BLUT"] = wires["BLUT"], wires["ALUT"]
+    assert differences(folder, exchanged) > 1000
 
 
 @pytest.mark.parametrize("change", [

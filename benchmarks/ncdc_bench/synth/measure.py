@@ -7,6 +7,7 @@ from statistics import median
 from ncdc.toolchain.ecp5_netlist import (
     adder_inputs,
     cells,
+    joined_tables,
     multiplier_registers,
     output_registers,
 )
@@ -36,7 +37,8 @@ BROKEN_DOWN = TARGETS[1:]
 
 _MULTIPLIER_BITS = {"ecp5": 18, "cyclonev": 27, "cycloneiv": 18}
 _FLOWS = {"ecp5": ecp5, "cyclonev": cyclone_v, "cycloneiv": cyclone_iv}
-_ABSORB_PARTS = (absorbed, cells, output_registers, multiplier_registers, adder_inputs)
+_ABSORB_PARTS = (absorbed, cells, output_registers, multiplier_registers, adder_inputs,
+                 joined_tables)
 # Names in rows of what the flows call otherwise.
 _NAMES = {"ecp5": {"dsp": "multipliers_18x18", "ram_blocks": "block_rams"},
           "cyclonev": {"lut": "alut", "ff": "alm_ff", "ram_blocks": "m10k"},
