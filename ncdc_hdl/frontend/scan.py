@@ -221,15 +221,18 @@ class Scan(wiring.Component):
         following = Signal(SPANS)       # of the row after it, once `fetched`
         fetched = Signal()              # `following` has come from the table
         bottom = Signal(SIZE)           # the number of the picture's last row
-        at_bottom = Signal()            # the row requested is the last one; a clock late
-        m.d.sync += [bottom.eq(self.parameters.height - 1), at_bottom.eq(table.row == bottom)]
+        row = Signal(SIZE)              # the row that was requested
+        after = Signal(SIZE)            # the row after it; a clock late
+        m.d.sync += [bottom.eq(self.parameters.height - 1),
+                     after.eq(Mux(row == bottom, 0, row + 1)), row.eq(table.row)]
+        # With the end of a row, not a clock later: the table has it in a register.
+        m.d.comb += table.row.eq(Mux(self.start, 0, Mux(take, after, row)))
         with m.If(~fetched):
             m.d.sync += [following.eq(table.spans), fetched.eq(table.fresh)]
         with m.If(take):
-            m.d.sync += [spans.eq(following), fetched.eq(0),
-                         table.row.eq(Mux(at_bottom, 0, table.row + 1))]
+            m.d.sync += [spans.eq(following), fetched.eq(0)]
         with m.If(self.start):
-            m.d.sync += [fetched.eq(0), table.row.eq(0)]
+            m.d.sync += fetched.eq(0)
         return spans, fetched
 
     def _rest(self, m, take):

@@ -17,8 +17,9 @@ __all__ = ["FixedValidTable", "ValidTable"]
 class _Rows:
     """What both kinds of table have: how many rows and columns, and their contents."""
 
-    latency = 2
-    """Clocks from a request of either side to its answer: the memory, its output register."""
+    latency = 3
+    """Clocks from a request of either side to its answer: its address, which goes to block RAMs all
+    over a device, the memory, its output register."""
 
     def __init__(self, valid, columns, rows, members):
         self.valid, self.row_bits = valid, ceil_log2(rows)
@@ -82,6 +83,10 @@ class ValidTable(_Rows, wiring.Component):
         wanted = Cat(scan.row[:self.row_bits], self.bank)
         host_address = Cat(host.row[:self.row_bits], host.bank)
         host_row_exists = host.row[self.row_bits:] == 0
+        # A: the addresses of a read and of a write, and its word.
+        address = register(m, "address", Mux(host.read, host_address, wanted))
+        written = register(m, "written", host_address)
+        word = register(m, "word", Cat(host.start[:bits], host.stop[:bits]))
         # M: a memory for each span of a row; followed by its output register.
         starts, stops = [], []
         for k in range(SPANS_PER_ROW):
@@ -90,12 +95,8 @@ class ValidTable(_Rows, wiring.Component):
             m.submodules[f"memory{k}"] = memory = block_memory(
                 2 * bits, 2 * rows, self._entries(k) * 2)
             write, read = memory.write_port(), memory.read_port()
-            m.d.comb += [
-                read.addr.eq(Mux(host.read, host_address, wanted)),
-                write.addr.eq(host_address),
-                write.data.eq(Cat(host.start[:bits], host.stop[:bits])),
-                write.en.eq(host.write & host_row_exists & (host.span == k)),
-            ]
+            m.d.comb += [read.addr.eq(address), write.addr.eq(written), write.data.eq(word)]
+            m.d.sync += write.en.eq(host.write & host_row_exists & (host.span == k))
             entry = register(m, f"entry{k}", read.data)
             starts.append(entry[:bits])
             stops.append(entry[bits:])
@@ -135,11 +136,12 @@ class FixedValidTable(_Rows, wiring.Component):
         row, spans = self.scan.row[:self.row_bits], self.scan.spans
         asked = delay(m, row, self.latency, "asked")
         m.d.comb += self.scan.fresh.eq(asked == row)
+        address = register(m, "address", row)
         for k in range(SPANS_PER_ROW):
             m.submodules[f"memory{k}"] = memory = block_memory(
                 2 * self.column_bits, 1 << self.row_bits, self._entries(k))
             read = memory.read_port()
-            m.d.comb += read.addr.eq(row)
+            m.d.comb += read.addr.eq(address)
             entry = register(m, f"entry{k}", read.data)
             m.d.comb += [spans[f"start{k}"].eq(entry[:self.column_bits]),
                          spans[f"stop{k}"].eq(entry[self.column_bits:])]

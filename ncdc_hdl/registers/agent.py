@@ -81,7 +81,8 @@ class Registers(wiring.Component):
     writes : ``Out(BANK_WRITES)``
         Writes to the memories, if there are any.
     valid_table : ``Out(TableAccess())``
-        To the host's side of the table of valid rows, which answers two clocks after ``read``.
+        To the host's side of the table of valid rows, which answers ``ValidTable.latency`` clocks
+        after ``read``.
     row_writes : ``Out(ROW_WRITES)``
         Writes to a view's table of matrices, if there is one.
     begin : ``Out(1)``
@@ -180,7 +181,7 @@ class Registers(wiring.Component):
                 m.d.sync += fault[flag.name].eq(1)
         self._keep(m, written, word, held, status["COMMITTED"])
         rejected = Const(0) if self.fixed else self._table(
-            m, address, (write[0], read[2]), word, held, status)
+            m, address, (write[0], read[1]), word, held, status)
         if self.entries:
             rejected |= list_rejected
         if self.view_rows:
