@@ -73,6 +73,7 @@ def _model(args):
 def _gateware(args):
     """Judge mutants of the gateware."""
     from ncdc_bench.mutation.designs import designs  # they need the tests and Amaranth
+    from ncdc_bench.mutation.reasons import explained
     from ncdc_bench.mutation.score import judge, row_of, summary
 
     known = designs()
@@ -87,7 +88,7 @@ def _gateware(args):
         for verdicts in judge(known[name], per_module=args.per_module, seed=args.seed,
                               modules=args.module or known[name].judged(), skipped=skipped,
                               seconds=args.proof_seconds, progress=Progress(name)):
-            table.append({"design": name} | row_of(verdicts))
+            table.append(explained({"design": name} | row_of(verdicts)))
             report["summary"] = summary(table)
             if args.add:
                 write_report(report, args.json)
@@ -98,7 +99,8 @@ def _gateware(args):
     if args.survivors:
         for row in table:
             for one in row["survivors"]:
-                print(f"{row['module']}: {one['line']}: {one['change']}")
+                why = f" ({one['why']})" if "why" in one else ""
+                print(f"{row['module']}: {one['line']}: {one['change']}{why}")
     return report_failures("bench mutation", _failures(table, report["summary"]))
 
 
@@ -126,8 +128,12 @@ def _recorded(args):
 
 
 def _failures(table, whole):
-    """Sentences on scores below their limits."""
-    found = [f"{row['module']} scores {100 * row['score']:.1f} %, {100 * MIN_SCORE:.0f} % is the "
+    """Sentences on scores below their limits, and on reasons of mutants that are killed."""
+    from ncdc_bench.mutation.reasons import LIST, stale
+
+    found = [f"{LIST.name} has a mutant of {one.design}, {one.module} that does not survive: "
+             f"{one.mutant}" for one in stale(table)]
+    found += [f"{row['module']} scores {100 * row['score']:.1f} %, {100 * MIN_SCORE:.0f} % is the "
              f"limit" for row in table if row["score"] < MIN_SCORE]
     if whole["score"] < MIN_OVERALL:
         found.append(f"all modules score {100 * whole['score']:.1f} %, {100 * MIN_OVERALL:.0f} % "

@@ -6,8 +6,10 @@
 import json
 
 from ncdc_bench.mutation.netlist import ROOT
+from ncdc_bench.mutation.reasons import explained
+from ncdc_bench.mutation.score import summary
 
-__all__ = ["PAGE", "REPORT", "filled", "main"]
+__all__ = ["PAGE", "REPORT", "filled", "main", "reasoned"]
 
 PAGE = ROOT / "docs" / "evidence" / "mutation.md"
 REPORT = PAGE.with_suffix(".json")
@@ -15,7 +17,8 @@ REPORT = PAGE.with_suffix(".json")
 
 def filled(page, report):
     """The text of the page with the tables of a ``report`` between their marks."""
-    for name, lines in (("scores", _scores(report)), ("survivors", _survivors(report))):
+    for name, lines in (("scores", _scores(report)), ("survivors", _survivors(report)),
+                        ("argued", _survivors(report, "argued"))):
         before, mark, rest = page.partition(f"<!--{name}-->\n")
         _, end, after = rest.partition("<!--end-->")
         page = "\n".join([before + mark, *lines, "", end + after])
@@ -23,8 +26,16 @@ def filled(page, report):
 
 
 def main():
-    """Write the tables."""
-    PAGE.write_text(filled(PAGE.read_text(), json.loads(REPORT.read_text())))
+    """Apply the reasons to the report, and write it and the tables."""
+    report = reasoned(json.loads(REPORT.read_text()))
+    REPORT.write_text(json.dumps(report, indent=1) + "\n")
+    PAGE.write_text(filled(PAGE.read_text(), report))
+
+
+def reasoned(report):
+    """The ``report`` with the present reasons of all its survivors."""
+    rows = [explained(row) for row in report["rows"]]
+    return report | {"rows": rows, "summary": summary(rows)}
 
 
 def _scores(report):
@@ -36,11 +47,11 @@ def _scores(report):
               for row in rows)]
 
 
-def _survivors(report):
-    lines = ["| module | line | change |", "|---|---|---|"]
+def _survivors(report, kind="survivors"):
+    lines = ["| design | module | line | change | reason |", "|---|---|---|---|---|"]
     for row in report["rows"]:
-        lines += [f"| {_code(row['module'])} | {one['line']} | {one['change']} |"
-                  for one in row["survivors"]]
+        lines += [f"| {row['design']} | {_code(row['module'])} | {one['line']} | {one['change']} | "
+                  f"{one.get('why', '')} |" for one in row.get(kind, ())]
     return lines
 
 
