@@ -3,11 +3,11 @@
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from ncdc_spec.view import FORMATS, View
+from ncdc_spec.view import DEPTH_SHIFTS, FORMATS, View
 from ncdc_spec.view_rows import NUMBER_BITS, STEPS, RowTable, row_view
 
 __all__ = ["nonsense_table", "nonsense_view", "pinhole_matrix", "random_angles", "random_view",
-           "turning_view"]
+           "sweeping_view", "turning_view"]
 
 
 def pinhole_matrix(focal, trained, size, pan, tilt, roll, zoom):
@@ -44,6 +44,23 @@ def nonsense_view(rng, size):
         q = FORMATS[k // 3][k % 3]
         bits = int(rng.integers(q.lo, q.hi)) >> int(rng.integers(0, 32))
         raw[k] = (0, q.lo, q.hi, bits)[rng.integers(0, 4)]
+    return View(tuple(raw), size)
+
+
+def sweeping_view(rng, size):
+    """A view whose positions are of any magnitude, and change by up to a third from edge to edge.
+
+    The depth has any magnitude, too. So positions lie close to each power of two, also to those at
+    which something overflows.
+    """
+    raw = []
+    for number in range(3):
+        step, _, origin = FORMATS[number]
+        value = int(rng.choice([-1, 1]) * 2**rng.uniform(0, origin.width - 1)) if number < 2 else (
+            int(2**rng.uniform(origin.f_bits - DEPTH_SHIFTS - 1, origin.f_bits + 1)))
+        change = rng.uniform(-.3, .3, 2) * value * 2.**(step.f_bits - origin.f_bits) / max(size)
+        raw += [min(max(int(one), step.lo), step.hi) for one in change]
+        raw.append(min(max(value, origin.lo), origin.hi))
     return View(tuple(raw), size)
 
 

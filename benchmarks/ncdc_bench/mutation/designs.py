@@ -12,8 +12,8 @@ from ncdc_spec.errors import InputError
 __all__ = ["Bench", "Design", "PlayedBench", "designs"]
 
 # Each design and its benches lie with the tests, which run the same benches without a mutant.
-_MODULES = ("core", "cache", "front", "nodes", "units", "system", "sdram", "csi2", "packetiser",
-            "bridges", "screen")
+_MODULES = ("core", "cache", "front", "nodes", "units", "sums", "system", "sdram", "csi2",
+            "packetiser", "bridges", "screen")
 
 
 @dataclass(frozen=True)

@@ -272,5 +272,5 @@ _RUNS = {"frame": frame, "lists": lists, "lens change": lens_change, "read back"
          "resets, memory answers": resets(False), "register fuzz": fuzz, "wide": wide}
 
 DESIGN = Design("core", "ncdc", make, tuple(PlayedBench(*item) for item in _RUNS.items()),
-                leaves=("backmap", "checks", "fetch", "packer", "row_gate", "table.of_lane0",
-                        "window"))
+                leaves=("backmap", "checks", "fetch", "packer", "registers", "row_gate", "table",
+                        "window", "interpolator.sums"))

@@ -7,15 +7,16 @@ import numpy as np
 
 from banks import bank_words
 from front_end import extreme
-from mutation.core import FOCAL, cameras, corrector, largest
+from mutation.core import FOCAL, cameras, corrector, large_cameras, largest
 from ncdc_bench.mutation.designs import Design, PlayedBench
 from ncdc_hdl.frontend.node_network import NodeNetwork
+from ncdc_hdl.frontend.node_scan import NodeScan
 from ncdc_model.golden.network import network
 from ncdc_model.golden.view import node_values
 from ncdc_spec.nodes import AFTER, BEFORE
 from ncdc_spec.view import NODE, PLANE
 from simulations.player import Player
-from views import nonsense_view, random_view
+from views import nonsense_view, random_view, sweeping_view
 
 __all__ = ["DESIGN"]
 
@@ -48,12 +49,21 @@ def _any(rng, number, largest_size):
             output_biases=some(f.output_bias, d.output_biases, 1000))
     size = tuple(int(side) for side in rng.integers((33, 8), largest_size))
     strip = int(rng.choice([0, 0, 32, 64, 96]))
+    if strip and number % 5 == 1:               # the last strip is as wide as the others
+        size = strip * -(-size[0] // strip), size[1]
     if largest_size == _USUAL and number % 11 == 7:
         size, strip = (int(rng.integers(1500, 4097)), 8), int(rng.choice([0, 1024]))
     if number % 3 == 2:
         return descriptor, nonsense_view(rng, size), strip
     return descriptor, random_view(rng, d.geometry, FOCAL, size, pan=50, roll=180,
                                    zoom=(.3, 4)), strip
+
+
+def _overflowing(rng, number, _):
+    """As :func:`_any`, of positions of all magnitudes, scanned like any of the cameras."""
+    descriptor = (*cameras(), *large_cameras())[number % 4][0]
+    size = int(rng.integers(33, 48)), int(rng.integers(8, 11))
+    return descriptor, sweeping_view(rng, size), 0
 
 
 def _strays(rng):
@@ -89,18 +99,21 @@ def _expected(descriptor, view, strip):
     return np.concatenate(found)
 
 
-def _play(verilog, transcripts, seed, count, *, largest_size=_USUAL, stop=None, **plusargs):
+def _play(verilog, transcripts, seed, count, *, choose=_any, largest_size=_USUAL, stop=None,
+          **plusargs):
     """Frames of any networks and views, one after the other; the items and the expected ones."""
     rng, expected = np.random.default_rng(seed), []
     player = Player(make(), ("fits", 0, ("x", "y", "column", "row")))
     bank = 0
     for number in range(count):
-        descriptor, view, strip = _any(rng, number, largest_size)
+        descriptor, view, strip = choose(rng, number, largest_size)
         nodes = _expected(descriptor, view, strip)
         if stop and not nodes[:, 5].all():      # where one ends could not be seen
             continue
-        for position, word in bank_words(descriptor.hidden_weights, descriptor.hidden_biases,
-                                         descriptor.output_weights):
+        words = list(bank_words(descriptor.hidden_weights, descriptor.hidden_biases,
+                                descriptor.output_weights))
+        for k in rng.permutation(len(words)):
+            position, word = words[k]
             player.put(writes__write=1, writes__position=position, writes__word=word,
                        writes__bank=1 - bank)
         for position, word, write in _strays(rng):
@@ -116,7 +129,8 @@ def _play(verilog, transcripts, seed, count, *, largest_size=_USUAL, stop=None, 
             network={"output": [{"bias": int(one)} for one in descriptor.output_biases]})
         player.put(start=1, stop=0)
         if stop:
-            player.put(int(rng.integers(*stop)), start=0)
+            latest = stop[1] if number % 3 else 2 * NodeScan.latency
+            player.put(int(rng.integers(stop[0], latest)), start=0)
             player.put(200, True, stop=1)
         else:
             player.put(200, True, start=0)
@@ -143,6 +157,14 @@ def small(verilog, transcripts):
     np.testing.assert_array_equal(found, np.concatenate(expected))
 
 
+def overflows(verilog, transcripts):
+    """Positions near each power of two: depths, quotients and coordinates that overflow."""
+    found, expected = _play(verilog, transcripts, 4, 400, choose=_overflowing,
+                            clock_limit=600_000)
+    np.testing.assert_array_equal(found, np.concatenate(expected))
+    assert .2 < found[:, 5].mean() < .8
+
+
 def stopped(verilog, transcripts):
     """Frames of which no node is issued any more from some clock on."""
     found, expected = _play(verilog, transcripts, 2, 160, stop=(1, 400), stall=100,
@@ -151,11 +173,12 @@ def stopped(verilog, transcripts):
     for frame in expected:
         same = (found[at:at + len(frame)] == frame[:len(found) - at]).all(axis=1)
         at += len(same) if same.all() else int(np.argmin(same))
-    assert at == len(found) > 200
+    assert at == len(found) > 200, (at, len(found))
 
 
 DESIGN = Design("nodes", "dut", make, (
     PlayedBench("frames", frames(0)), PlayedBench("frames, stalls", frames(200)),
-    PlayedBench("small frames", small), PlayedBench("stopped", stopped)), leaves=(
+    PlayedBench("small frames", small), PlayedBench("stopped", stopped),
+    PlayedBench("overflows", overflows)), leaves=(
         "transform.divide", "transform.normalise", "transform.reciprocal.curve",
         "transform.reciprocal.slope", "hidden.unit0", "output.output0", "output.output1"))

@@ -17,8 +17,10 @@ from units.fences import check_read_fence
 from units.neurons import check_hidden_neuron, check_output_neuron
 from units.packers import check_packer
 from units.products import check_product
+from units.registers import check_registers
 from units.row_gates import check_row_gate
 from units.strips import check_strips
+from units.tables import check_view_table
 from units.windows import check_window_address
 
 __all__ = ["DESIGN"]
@@ -26,7 +28,7 @@ __all__ = ["DESIGN"]
 _SIZES = (40, 24), (8, 8), (4096, 2730), (1365, 4096), (2049, 2047)
 _HEIGHTS = 30, 8, 4096, 2731, 1365, 2048, 513
 _PICTURES = (*((8 + 5 * k % 37, 2 + k % 5) for k in range(24)), (1365, 2), (2731, 2), (1400, 2),
-             (2000, 2), (8, 260))
+             (2000, 2), (8, 260), (2107, 3, 992), (2311, 3, 32), (2089, 2, 1376))
 _ORDERS = ((8, 8, 0), (40, 9, 32), (65, 9, 64), (33, 20, 32), (100, 8, 96), (2731, 2, 0),
            (1400, 2, 992), (8, 520, 0))
 
@@ -73,7 +75,9 @@ def units():
             "checks": (corrector.checks, check_checks), "strips": (Strips(1), _strips),
             "packer": (Packer(HARDWARE.data_width, placed=True), _packers),
             "read_fence": (ReadFence(HARDWARE.data_width, burst, shortest=burst),
-                           check_read_fence)}
+                           check_read_fence),
+            "registers": (corrector.registers, check_registers),
+            "table": (corrector.table, check_view_table)}
 
 
 def make():

@@ -32,7 +32,12 @@ class Units(wiring.Component):
         m = Module()
         for name, unit in self.units.items():
             m.submodules[name] = unit
-            wiring.connect(m, wiring.flipped(getattr(self, name)), unit)
+            # Port by port: interfaces may be in arrays, which cannot be flipped.
+            for (_, member, inside), (_, _, outside) in zip(
+                    unit.signature.flatten(unit),
+                    unit.signature.flatten(getattr(self, name))):
+                m.d.comb += (Value.cast(inside).eq(outside) if member.flow is In
+                             else Value.cast(outside).eq(inside))
         return m
 
 
