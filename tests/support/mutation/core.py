@@ -273,4 +273,4 @@ _RUNS = {"frame": frame, "lists": lists, "lens change": lens_change, "read back"
 
 DESIGN = Design("core", "ncdc", make, tuple(PlayedBench(*item) for item in _RUNS.items()),
                 leaves=("backmap", "checks", "fetch", "packer", "registers", "row_gate", "table",
-                        "window", "interpolator.sums"))
+                        "window", "writer", "interpolator.colour0", "interpolator.sums"))

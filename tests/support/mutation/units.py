@@ -13,6 +13,7 @@ from ncdc_hdl.backend.packer import Packer
 from ncdc_hdl.frontend.strips import Strips
 from simulations.traces import Units, replay, trace
 from units.checks import check_checks
+from units.colours import check_colour
 from units.fences import check_read_fence
 from units.neurons import check_hidden_neuron, check_output_neuron
 from units.packers import check_packer
@@ -22,6 +23,7 @@ from units.row_gates import check_row_gate
 from units.strips import check_strips
 from units.tables import check_view_table
 from units.windows import check_window_address
+from units.writers import check_burst_writer
 
 __all__ = ["DESIGN"]
 
@@ -77,7 +79,9 @@ def units():
             "read_fence": (ReadFence(HARDWARE.data_width, burst, shortest=burst),
                            check_read_fence),
             "registers": (corrector.registers, check_registers),
-            "table": (corrector.table, check_view_table)}
+            "table": (corrector.table, check_view_table),
+            "colour": (corrector.interpolator.colours[0], check_colour),
+            "writer": (corrector.writer, check_burst_writer)}
 
 
 def make():

@@ -17,6 +17,27 @@ def _commands(rng, dut, base, limit, count):
         yield {"address": at % (1 << 32) // word * word, "words": int(rng.choice(dut.sizes))}
 
 
+def _edges(rng, dut, count):
+    """(base, limit) of areas that are empty, hold one command of the largest size, or nearly so."""
+    word, largest = 1 << dut.word_bits, max(dut.sizes)
+    for k in range(count):
+        base = int(rng.integers(1 << 32))
+        far = rng.choice([-1, 1]) * (1 << int(rng.integers(dut.word_bits, 32))) * (k % 3 == 2)
+        limit = base + word * (largest + int(rng.integers(-2, 3))) + int(far)
+        if 0 <= limit < 1 << 32:
+            yield base, limit
+
+
+async def _check_empty(ctx, dut, edges):
+    """Whether each area is reported as one in which no largest command fits."""
+    for base, limit in edges:
+        ctx.set(dut.base, base)
+        ctx.set(dut.limit, limit)
+        await ctx.tick().repeat(2)
+        first, end = base >> dut.word_bits, limit >> dut.word_bits
+        assert ctx.get(dut.empty) == (first + max(dut.sizes) > end), (base, limit)
+
+
 def check_read_fence(dut, areas=24, count=60):
     """Commands inside pass, others are moved to the area's begin, and reported.
 
@@ -31,6 +52,7 @@ def check_read_fence(dut, areas=24, count=60):
         cases.append((base, limit, list(_commands(rng, dut, base, limit, count))))
 
     async def source(ctx):
+        await _check_empty(ctx, dut, _edges(np.random.default_rng(8), dut, 600))
         for k, (base, limit, commands) in enumerate(cases):
             while len(got) < k * count:
                 await ctx.tick()
