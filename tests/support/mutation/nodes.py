@@ -18,7 +18,7 @@ from ncdc_spec.view import NODE, PLANE
 from simulations.player import Player
 from views import nonsense_view, random_view, sweeping_view
 
-__all__ = ["DESIGN"]
+__all__ = ["DESIGN", "any_network"]
 
 _S = 8              # distance of the nodes
 _USUAL = 160, 20    # pictures are smaller, but for a few wide ones
@@ -31,22 +31,27 @@ def make():
                        corrector().hardware)
 
 
+def any_network(rng, d):
+    """The descriptor ``d`` with weights of all magnitudes: the tan-sigmoid's whole curve, and what
+    is beyond it."""
+    f = d.formats
+
+    def some(q, raw, scale):
+        return np.clip((rng.normal(0, scale, raw.shape) * (1 << q.f_bits)).astype(int), q.lo, q.hi)
+    return replace(
+        d, hidden_weights=some(f.hidden_weight, d.hidden_weights, 2),
+        hidden_biases=some(f.hidden_bias, d.hidden_biases, 2),
+        output_weights=some(f.output_weight, d.output_weights, 400),
+        output_biases=some(f.output_bias, d.output_biases, 1000))
+
+
 def _any(rng, number, largest_size):
     """A descriptor of random weights, or of weights at their limits; a view; the strips' width."""
-    descriptor = cameras()[number % 2][0]
-    d, f = descriptor, descriptor.formats
+    d = descriptor = cameras()[number % 2][0]
     if number % 4 == 3:
         descriptor = extreme(d, number)
     elif number % 4:
-        # Nets of all magnitudes: the tan-sigmoid's whole curve, and what is beyond it.
-        def some(q, raw, scale):
-            return np.clip((rng.normal(0, scale, raw.shape) * (1 << q.f_bits)).astype(int),
-                           q.lo, q.hi)
-        descriptor = replace(
-            d, hidden_weights=some(f.hidden_weight, d.hidden_weights, 2),
-            hidden_biases=some(f.hidden_bias, d.hidden_biases, 2),
-            output_weights=some(f.output_weight, d.output_weights, 400),
-            output_biases=some(f.output_bias, d.output_biases, 1000))
+        descriptor = any_network(rng, d)
     size = tuple(int(side) for side in rng.integers((33, 8), largest_size))
     strip = int(rng.choice([0, 0, 32, 64, 96]))
     if strip and number % 5 == 1:               # the last strip is as wide as the others
