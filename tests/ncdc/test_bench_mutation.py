@@ -209,15 +209,27 @@ def test_wrong_arguments(arguments, message, capsys):
     assert message in capsys.readouterr().err
 
 
-SAMPLE = 3      # modules of the recorded ones that are judged again
+SEED = 7        # of the modules that are judged again
+SAMPLE = 3
+
+
+def recorded_sample():
+    """Some rows of the report, each of another design."""
+    rows = json.loads(REPORT.read_text())["rows"]
+    rng, found = random.Random(SEED), {}
+    for row in rng.sample(rows, len(rows)):
+        found.setdefault(row["design"], row)
+    return list(found.values())[:SAMPLE]
 
 
 @pytest.mark.regress
-def test_no_score_is_below_the_recorded_one():
+@pytest.mark.parametrize("row", recorded_sample(),
+                         ids=lambda row: f"{row['design']}, {row['module']}")
+def test_no_score_is_below_the_recorded_one(row):
+    """The same mutants of a module, by the benches as they are now."""
     report = json.loads(REPORT.read_text())
-    recorded = random.Random(7).sample(report["rows"], SAMPLE)
-    for row in recorded:
-        [verdicts] = judge(designs()[row["design"]], per_module=report["per_module"],
-                           seed=report["seed"], modules=[row["module"]])
-        found = explained({"design": row["design"]} | row_of(verdicts))
-        assert found["score"] >= row["score"], row["module"]
+    [verdicts] = judge(designs()[row["design"]], per_module=report["per_module"],
+                       seed=report["seed"], modules=[row["module"]])
+    found = explained({"design": row["design"]} | row_of(verdicts))
+    assert found["mutants"] == row["mutants"] and found["score"] >= row["score"], (
+        found["survivors"], row["survivors"])

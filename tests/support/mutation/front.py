@@ -57,9 +57,10 @@ class Front(wiring.Component):
         return m
 
 
-def _any(rng, number, small):
+def _any(rng, number, small, reach):
     """A descriptor of any lens and valid rows; a view, of ``small`` frames mostly one that makes no
-    sense; the strips' width."""
+    sense; the strips' width. ``reach``: that of networks of any weights, or 0 for those of lenses.
+    """
     large = number % 8 == 3 and not small
     descriptor = (large_cameras()[number // 8 % 2] if large else cameras()[number % 2])[0]
     width, height = descriptor.geometry.corrected
@@ -67,8 +68,8 @@ def _any(rng, number, small):
     spans[rng.random(height) < .3] = [0, width, 0, 0]
     if number % 5 == 4:
         descriptor = extreme(descriptor, number)
-    elif small and number % 5 > 1:              # values that jump from node to node
-        descriptor = any_network(rng, descriptor)
+    elif reach:                                 # values that jump from node to node
+        descriptor = any_network(rng, descriptor, reach * int(rng.integers(1, 5)))
     descriptor = replace(descriptor, valid=ValidRows(spans))
     size = tuple(int(side) for side in rng.integers(8, (40, 10) if small else (140, 24)))
     strip = int(rng.choice([0, 0, 32, 64]))
@@ -109,13 +110,14 @@ def _load(player, descriptor, view, strip, bank, empty):
         network={"output": [{"bias": int(one)} for one in descriptor.output_biases]})
 
 
-def _play(verilog, transcripts, seed, count, *, aborts=False, small=False, **plusargs):
+def _play(verilog, transcripts, seed, count, *, aborts=False, small=False, reach=0,
+          **plusargs):
     """Frames of any lenses and views; each must be the golden one, or its beginning. With
     ``aborts`` some are empty, which have one blank group."""
     rng = np.random.default_rng(seed)
     player, wanted = Player(Front(), ("blank", 1, ("x", "y"))), []
     for number in range(count):
-        descriptor, view, strip = _any(rng, number, small)
+        descriptor, view, strip = _any(rng, number, small, reach)
         empty = aborts and number % 10 == 9
         _load(player, descriptor, view, strip, number % 2, empty)
         player.put(start=1, abort=0)
@@ -158,7 +160,13 @@ def small(verilog, transcripts):
     _play(verilog, transcripts, 8, 120, small=True, clock_limit=400_000)
 
 
+def jumps(verilog, transcripts):
+    """Many small frames whose values jump from node to node, beyond all limits."""
+    _play(verilog, transcripts, 9, 120, small=True, reach=2500, clock_limit=400_000)
+
+
 DESIGN = Design("front", "dut", Front, (
     PlayedBench("frames", frames(33, 0)), PlayedBench("frames, stalls", frames(12, 150)),
-    PlayedBench("aborts", aborts), PlayedBench("small frames", small)), leaves=(
+    PlayedBench("aborts", aborts), PlayedBench("small frames", small),
+    PlayedBench("jumps", jumps)), leaves=(
         "backmap.network_at_nodes", "backmap.scan.strips", "table"), bare=True)

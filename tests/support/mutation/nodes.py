@@ -31,9 +31,9 @@ def make():
                        corrector().hardware)
 
 
-def any_network(rng, d):
+def any_network(rng, d, reach=400):
     """The descriptor ``d`` with weights of all magnitudes: the tan-sigmoid's whole curve, and what
-    is beyond it."""
+    is beyond it. ``reach``: the usual size of the output's weights, in pixels."""
     f = d.formats
 
     def some(q, raw, scale):
@@ -41,7 +41,7 @@ def any_network(rng, d):
     return replace(
         d, hidden_weights=some(f.hidden_weight, d.hidden_weights, 2),
         hidden_biases=some(f.hidden_bias, d.hidden_biases, 2),
-        output_weights=some(f.output_weight, d.output_weights, 400),
+        output_weights=some(f.output_weight, d.output_weights, reach),
         output_biases=some(f.output_bias, d.output_biases, 1000))
 
 

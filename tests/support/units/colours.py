@@ -15,8 +15,8 @@ __all__ = ["check_colour"]
 def _settings(rng, number):
     """Gains and a curve: any numbers, or their limits."""
     if number % 3 == 2:
-        gains, tone = rng.choice([0, UNITY, LARGEST_GAIN], 3), rng.choice([0, 255, 256],
-                                                                          len(NODE_POSITIONS))
+        gains = rng.choice([0, UNITY, UNITY, UNITY, LARGEST_GAIN], 3)
+        tone = rng.choice([0, 255, 256], len(NODE_POSITIONS))
     else:
         gains = rng.integers(0, LARGEST_GAIN + 1, 3) >> int(rng.integers(3))
         tone = rng.integers(0, 257, len(NODE_POSITIONS))
@@ -25,7 +25,7 @@ def _settings(rng, number):
     return Colour(tuple(gains.tolist()), tuple(tone.tolist()))
 
 
-def check_colour(dut, settings=24, count=64):
+def check_colour(dut, settings=45, count=64):
     """Compare with the golden model.
 
     ``dut``: a :class:`ncdc_hdl.backend.colour.Colour`; ``count``: pixels of each of the

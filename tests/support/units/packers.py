@@ -25,11 +25,10 @@ class _Frame:
     """A picture of noise and where it goes; every third one to the end of its buffer."""
 
     def __init__(self, rng, size, word):
-        width, height, *strip = size
-        self.size, self.pixels = (width, height), rng.integers(0, 256, (height, width, 3))
+        width, height = size
+        self.size, self.pixels = size, rng.integers(0, 256, (height, width, 3))
         self.form = list(OUTPUT_FORMATS.values())[int(rng.integers(len(OUTPUT_FORMATS)))]
         self.strip = int(rng.choice([0, 32, 64] if width < 1000 else [0, 992, 1376]))
-        self.strip = strip[0] if strip else self.strip
         row = self.form.pixel_bytes * width
         least = -(-row // word) * word
         self.pitch = int(rng.choice([0, least, least + word * int(rng.integers(1, 99))]))
@@ -58,7 +57,7 @@ def check_packer(dut, sizes, seed=3):
     """The bytes of memory that each picture sets, and no other one.
 
     ``dut``: a :class:`ncdc_hdl.backend.packer.Packer` of one lane that is ``placed``; ``sizes``:
-    width and height of the pictures, one after the other; some with the width of their strips.
+    of the pictures, one after the other.
     """
     rng, word = np.random.default_rng(seed), dut.data_width // 8
     frames, written = [_Frame(rng, size, word) for size in sizes], []
