@@ -23,7 +23,7 @@ class Evening(wiring.Component):
     columns and rows are undefined, and so is the rest of a row longer than ``width``. With
     ``weight`` 0 each sample leaves unchanged.
 
-    Timing: free-running; ``o`` follows ``i`` after ``latency`` clocks. Rows have at least two
+    Timing: free-running; ``o`` follows ``i`` after ``latency`` clocks. Rows have at least three
     samples.
 
     Parameters

@@ -19,8 +19,8 @@ PINS = wiring.Signature({"frame_valid": Out(1), "line_valid": Out(1), "data": Ou
 
 ROWS = wiring.Signature({"frame": Out(1), "valid": Out(1), "row_end": Out(1),
                          "sample": Out(SAMPLE_BITS)})
-"""A stream of frames. ``frame`` is high during one, and low between two. ``row_end`` is high for
-the clock after the last sample of a row, in which ``frame`` may be low already."""
+"""A stream of frames. ``frame`` is high during one, and low between two. ``row_end`` is high in the
+clock of the last sample of a row, which may be left out. The next row may begin a clock later."""
 
 GRID = data.StructLayout({"weight": 2, "binning": 1})
 """Settings for an even grid of samples: see ``ncdc_spec.sensors.grid``."""

@@ -135,14 +135,14 @@ class SensorPort(wiring.Component):
         """Signals of :meth:`_frames` after the grid stage; its samples, those that are valid, and
         that a row of them ends."""
         m.submodules.grid = grid = Grid(self.row)
-        # Ends of rows follow the samples by a clock.
         m.d.comb += [grid.settings.eq(self.grid), grid.i.frame.eq(now["frame"]),
                      grid.i.valid.eq(now["valid"]), grid.i.sample.eq(self.i.sample[0]),
-                     grid.i.row_end.eq(register(m, "row_ends", now["last"], reset_less=False))]
+                     grid.i.row_end.eq(now["last"])]
         now = {name: delay(m, value, Grid.latency + 1, name, reset_less=False)
                for name, value in now.items()}
         return (now, [register(m, "even_sample", grid.o.sample)],
-                register(m, "even_valid", grid.o.valid, reset_less=False), grid.o.row_end)
+                register(m, "even_valid", grid.o.valid, reset_less=False),
+                register(m, "even_row_end", grid.o.row_end, reset_less=False))
 
     def _position(self, m, now):
         """Number of the clock of the row, and of the row, among those sent; counters stop at

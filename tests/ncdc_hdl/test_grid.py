@@ -9,6 +9,7 @@ from cameras import barrel_descriptor
 from ncdc_hdl.camera.grid import Grid
 from ncdc_hdl.camera.moved import Moved
 from ncdc_hdl.camera.parallel_source import ParallelSource
+from ncdc_hdl.camera.samples import FRAME_GAP
 from ncdc_hdl.system import System
 from ncdc_spec.errors import InputError
 from ncdc_spec.geometry import MAX_SIZE
@@ -16,7 +17,7 @@ from ncdc_spec.hardware import Hardware
 from ncdc_spec.sensors.grid import evened, grid_size, gridded
 from ncdc_spec.sensors.level import levelled
 from pipelines import run_pipeline
-from sensor_ports import CLEAN, Port, pins_of, random_frames
+from sensor_ports import CLEAN, Port, SamplesPort, pins_of, random_frames
 
 MODES = [(0, 0), (3, 0), (2, 1), (0, 1)]        # weight and binning
 FAST, SLOW = (0, 1, 0), (3, 7, 5)               # see `pins_of`
@@ -70,6 +71,22 @@ def test_equals_model_in_every_pattern_of_clocks(size, mode):
         assert len(found) == len(frames)
         for frame, (rows, report) in zip(frames, found):
             assert report == CLEAN and rows == whole(port, frame)
+
+
+@pytest.mark.parametrize("mode", MODES)
+def test_rows_may_follow_each_other_without_a_clock_between(mode):
+    """As those of a video stream do; a parallel sensor's rows have a pause."""
+    size = 27, 15
+    frames = random_frames(size, 2)
+    port = SamplesPort(1, size, grid_size(size, *mode), (0, 0), mode)
+    clocks = []
+    for frame in frames:
+        for y, row in enumerate(frame):
+            for x, sample in enumerate(row):
+                ends = x == size[0] - 1
+                clocks.append(([int(sample)], x == y == 0, ends, ends and y == size[1] - 1, 0))
+        clocks += [port.REST] * FRAME_GAP
+    assert port.run(clocks) == [(whole(port, frame), CLEAN) for frame in frames]
 
 
 def short(y, row):

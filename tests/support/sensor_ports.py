@@ -140,12 +140,12 @@ class SamplesPort(Port):
 
     REST = [], 0, 0, 0, 0
 
-    def __init__(self, count, sent, window, corner, **options):
+    def __init__(self, count, sent, window, corner, mode=None, **options):
         self.count = count
-        super().__init__(sent, window, corner, None, **options)
+        super().__init__(sent, window, corner, mode, **options)
 
     def _component(self, row):
-        return SensorPort(self.count)
+        return SensorPort(self.count, row)
 
     def _put(self, ctx, clock):
         i, (samples, first, last, end, bad) = self.dut.i, clock
