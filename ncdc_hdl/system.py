@@ -123,6 +123,16 @@ class System(wiring.Component):
         """Options of ``ncdc generate`` for its camera."""
         return self.camera.options
 
+    def page(self):
+        """Its page of registers, made anew."""
+        bases = [r.name for r in self.table if r.name.endswith("_BASE")]
+        word_bits = exact_log2(self.hardware.data_width // 8)
+        return Page(
+            self.table, SYSTEM_WORDS_BITS,
+            system_values(self.descriptor, self.hardware, self.stores, self.camera),
+            [*LOCKED, *bases],
+            dict.fromkeys([*bases, "RAW_PITCH", "RAW_BYTES", "CORRECTED_BYTES"], word_bits))
+
     def elaborate(self, platform):
         m = Module()
         m.submodules.corrector = corrector = self.corrector
@@ -130,13 +140,7 @@ class System(wiring.Component):
         m.submodules.raw = self.raw
         m.submodules.i2c = i2c = I2cController()
         m.submodules.run_control = control = RunControl()
-        bases = [r.name for r in self.table if r.name.endswith("_BASE")]
-        word_bits = exact_log2(self.hardware.data_width // 8)
-        m.submodules.page = page = Page(
-            self.table, SYSTEM_WORDS_BITS,
-            system_values(self.descriptor, self.hardware, self.stores, self.camera),
-            [*LOCKED, *bases],
-            dict.fromkeys([*bases, "RAW_PITCH", "RAW_BYTES", "CORRECTED_BYTES"], word_bits))
+        m.submodules.page = page = self.page()
         for name in self.signature.members:
             if name.startswith(("read", "stream_")) or name in ("memory_rst", "front_end_idle"):
                 self._pass(m, name)

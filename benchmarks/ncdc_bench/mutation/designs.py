@@ -12,8 +12,8 @@ from ncdc_spec.errors import InputError
 __all__ = ["Bench", "Design", "PlayedBench", "designs"]
 
 # Each design and its benches lie with the tests, which run the same benches without a mutant.
-_MODULES = ("core", "cache", "front", "nodes", "units", "sums", "system", "sdram", "csi2",
-            "packetiser", "bridges", "screen")
+_MODULES = ("core", "cache", "front", "nodes", "units", "sums", "system", "camera", "sdram",
+            "csi2", "packetiser", "bridges", "screen")
 
 
 @dataclass(frozen=True)
@@ -62,16 +62,17 @@ class Design:
     benches : tuple of Bench or PlayedBench
         In the order in which they run until one fails.
     leaves : tuple of str
-        Instances of the top module that another design judges, with all in them.
-    bare : bool
-        Whether the top module only connects its instances, and is not judged.
+        Instances, by their paths from the top module, whose modules and all in them are judged
+        elsewhere: by another design, or as another instance of this one.
+    bare : int
+        Levels of modules, from the top on, that only connect their instances and are not judged.
     """
     name: str
     top: str
     make: Callable
     benches: tuple
     leaves: tuple = ()
-    bare: bool = False
+    bare: int = 0
 
     def judged(self):
         """Names of the modules that this design judges; None: all."""
@@ -81,9 +82,9 @@ class Design:
                 if not self._leaves(re.sub(r"\$\d+", "", one.original))]
 
     def _leaves(self, path):
-        """Whether another design judges the instance ``path``, or none does."""
+        """Whether the instance ``path`` is judged elsewhere, or nowhere."""
         left = tuple(f"{self.top}.{name}." for name in self.leaves)
-        return f"{path}.".startswith(left) or self.bare and path == self.top
+        return f"{path}.".startswith(left) or path.count(".") < self.bare
 
 
 def designs():

@@ -6,7 +6,10 @@
 // Prints "FAILED" at the first difference, else the number of clocks and a hash of all outputs that
 // mean something.
 //
-// Defines: NCDC_INPUTS, NCDC_OUTPUTS: their bits; NCDC_CONNECTIONS: the ports.
+// Inputs change at the falling edge: one of them may be a clock, which then rises after the outputs
+// of clk's registers have settled, as in Amaranth's simulator.
+//
+// Defines: NCDC_TOP: the module; NCDC_INPUTS, NCDC_OUTPUTS: their bits; NCDC_CONNECTIONS: the ports.
 
 module trace_bench (input wire clk);
     localparam IN = (`NCDC_INPUTS + 7) / 8 * 8, OUT = (`NCDC_OUTPUTS + 7) / 8 * 8;
@@ -20,11 +23,12 @@ module trace_bench (input wire clk);
     initial begin
         file = $fopen("trace.bin", "rb");
         got = $fread(in, file);
+        next_in = in;
         got = $fread(expected, file);
         got = $fread(mask, file);
     end
 
-    units dut (.clk(clk), .rst(1'b0), `NCDC_CONNECTIONS);
+    `NCDC_TOP dut (.clk(clk), .rst(1'b0), `NCDC_CONNECTIONS);
 
     always @(posedge clk) begin
         if (found != (expected & mask)) begin
@@ -41,6 +45,7 @@ module trace_bench (input wire clk);
         end
         got = $fread(expected, file);
         got = $fread(mask, file);
-        in <= next_in;
     end
+
+    always @(negedge clk) in <= next_in;
 endmodule

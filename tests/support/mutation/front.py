@@ -169,4 +169,4 @@ DESIGN = Design("front", "dut", Front, (
     PlayedBench("frames", frames(33, 0)), PlayedBench("frames, stalls", frames(12, 150)),
     PlayedBench("aborts", aborts), PlayedBench("small frames", small),
     PlayedBench("jumps", jumps)), leaves=(
-        "backmap.network_at_nodes", "backmap.scan.strips", "table"), bare=True)
+        "backmap.network_at_nodes", "backmap.scan.strips", "table"), bare=1)

@@ -1,6 +1,6 @@
 """The camera system with a parallel sensor: capture with a grid stage, stores, I2C, registers.
 
-The corrector in it is judged by the design ``core``.
+The corrector in it is judged by the design ``core``, the other parts by ``camera``.
 """
 
 import random
@@ -298,4 +298,5 @@ _RUNS = {"registers": registers, **{f"frames, {name}": frames(name) for name in 
          "readers with a limit": readers(14_000), "faults": faults, "resets": resets}
 
 DESIGN = Design("system", SYSTEM, make, tuple(PlayedBench(*item) for item in _RUNS.items()),
-                leaves=("corrector",))
+                leaves=("corrector", "capture", "raw", "corrected", "i2c", "run_control", "page",
+                        "writes", "reader0", "reader1"))

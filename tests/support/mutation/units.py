@@ -100,4 +100,4 @@ def parts(verilog, transcripts):
     replay({name: part for name, (part, _) in units().items()}, traces(), verilog, transcripts)
 
 
-DESIGN = Design("units", "units", make, (PlayedBench("parts", parts),), bare=True)
+DESIGN = Design("units", "units", make, (PlayedBench("parts", parts),), bare=1)

@@ -7,13 +7,14 @@ from amaranth import *
 from amaranth.lib import wiring
 from amaranth.lib.wiring import In, Out
 
+from ncdc_hdl.lib.ports import forward
 from ncdc_sim.runner import build_bench, command_of
 from ncdc_sim.tools import SimulationError
 from ncdc_sim.transcript import transcribed
 from pipelines import watched
 from simulations import HDL
 
-__all__ = ["Units", "replay", "trace"]
+__all__ = ["Alone", "Units", "replay", "trace"]
 
 
 class Units(wiring.Component):
@@ -32,12 +33,53 @@ class Units(wiring.Component):
         m = Module()
         for name, unit in self.units.items():
             m.submodules[name] = unit
-            # Port by port: interfaces may be in arrays, which cannot be flipped.
-            for (_, member, inside), (_, _, outside) in zip(
-                    unit.signature.flatten(unit),
-                    unit.signature.flatten(getattr(self, name))):
-                m.d.comb += (Value.cast(inside).eq(outside) if member.flow is In
-                             else Value.cast(outside).eq(inside))
+            forward(m, unit.signature, getattr(self, name), unit)
+        return m
+
+
+class Alone(wiring.Component):
+    """A component whose clock domain has a reset of its own, as the member ``reset``.
+
+    Parameters
+    ----------
+    part : wiring.Component
+    domain : str
+        Name of its clock domain. Equal modules of several components need the same name.
+    means : dict
+        For names of outputs, a function of ``part``. It returns the condition with which the output
+        means something, or a mask of its bits that do; others are 0. Parts of a name are joined
+        by ``__``.
+
+    Members
+    -------
+    Those of ``part``, and ``reset``.
+    """
+    def __init__(self, part, domain="part", means=None):
+        self.part, self.domain, self.means = part, domain, means or {}
+        self.latency = getattr(part, "latency", None)
+        super().__init__({**part.signature.members, "reset": In(1)})
+
+    def elaborate(self, platform):
+        m = Module()
+        setattr(m.domains, self.domain, ClockDomain(self.domain, local=True))
+        m.d.comb += [ClockSignal(self.domain).eq(ClockSignal()),
+                     ResetSignal(self.domain).eq(self.reset)]
+        m.submodules.part = DomainRenamer(self.domain)(self.part)
+        signature, unused = self.part.signature, set(self.means)
+        for (path, member, ours), (_, _, theirs) in zip(signature.flatten(self),
+                                                        signature.flatten(self.part)):
+            name, ours, theirs = "__".join(map(str, path)), Value.cast(ours), Value.cast(theirs)
+            if member.flow is In:
+                m.d.comb += theirs.eq(ours)
+            elif name in self.means:
+                unused.discard(name)
+                mask = self.means[name](self.part)
+                m.d.comb += ours.eq(theirs & (mask.replicate(len(ours)) if len(mask) == 1
+                                              else mask))
+            else:
+                m.d.comb += ours.eq(theirs)
+        if unused:
+            raise ValueError(f"{type(self.part).__name__} has no output {', '.join(unused)}")
         return m
 
 
@@ -116,7 +158,7 @@ def _table(units, traces):
             vectors, (sizes[0], sizes[1], sizes[1])))
 
 
-def replay(units, traces, verilog, transcripts):
+def replay(units, traces, verilog, transcripts, top="units"):
     """Run the Verilog of :class:`Units` with the inputs of all traces at once.
 
     Parameters
@@ -126,9 +168,10 @@ def replay(units, traces, verilog, transcripts):
     traces : dict
         :func:`trace` of each of them.
     verilog : str
-        Their module is ``units``.
     transcripts : list
         The run's transcript is added to it.
+    top : str
+        Name of their module.
 
     Raises
     ------
@@ -140,7 +183,7 @@ def replay(units, traces, verilog, transcripts):
     header = "".join(f"`define NCDC_{name} {value}\n" for name, value in (
         ("INPUTS", sum(len(port) for _, port in ports.inputs)),
         ("OUTPUTS", sum(len(port) for _, port in ports.outputs)),
-        ("CONNECTIONS", ", ".join(ports.connections()))))
+        ("TOP", top), ("CONNECTIONS", ", ".join(ports.connections()))))
     bench = header + (HDL / "trace_bench.v").read_text()
     program = build_bench("trace", "trace_bench", [("units.v", verilog),
                                                    ("trace_bench.v", bench)])
