@@ -8,6 +8,7 @@ from pipelines import run_bench
 __all__ = ["check_burst_writer", "check_frame_writer"]
 
 _END = 1 << 32
+_TALL = 4           # number of a frame with many rows
 
 
 class _Frame:
@@ -21,9 +22,11 @@ class _Frame:
         if self.kind == 1 and row > word:
             self.pitch = row - word
         if number % 9 == 8:
-            self.width, self.height = int(rng.integers(1000, 1400)), 1
+            self.width, self.height = int(rng.integers(1000, 8100)), 1
             row = -(-self.width // word) * word
-            self.pitch = 8184 if number % 2 else 4096
+            self.pitch = 8184
+        if number == _TALL:
+            self.kind, self.width, self.height, row, self.pitch = 0, 4, 1100, word, word
         used = self.pitch * (self.height - 1) + row
         base = int(rng.integers(0, (_END - 1 - used) // word)) >> int(rng.choice([0, 0, 8, 16]))
         self.base = base * word
@@ -136,7 +139,7 @@ class _Run:
     def __init__(self, dut, frame, memory, unended):
         self.dut, self.frame_, self.memory, self.unended = dut, frame, memory, unended
         self.rng = frame.rng
-        memory.stall = float(self.rng.choice([0, .3, .8]))
+        memory.stall = float(self.rng.choice([0, .3, .8])) if frame.height < 9 else 0.0
 
     async def frame(self, ctx):
         """Give the entries, and compare; whether the frame is good."""
@@ -151,7 +154,7 @@ class _Run:
         ctx.set(dut.limit, limit)
         ctx.set(dut.area, {"base": int(rng.integers(_END)), "limit": 5, "pitch": 1, "width": 2})
         offered, fails = self.unended, False
-        for _ in range(6000):
+        for _ in range(40_000):
             if not offered and entries and rng.random() >= gap:
                 ctx.set(dut.i.payload, dict(zip(("kind", "data"), entries[0])))
                 ctx.set(dut.i.valid, 1)
@@ -197,6 +200,7 @@ class _Bus:
     def __init__(self, rng, answers):
         self.rng, self.answers = rng, answers
         self.bytes, self.bursts, self.left, self.address = {}, [], 0, 0
+        self.rate = .1          # of the answers
         self.due, self.held, self.failed = [], None, 0
 
     def drive(self, ctx, bus, wait):
@@ -204,7 +208,7 @@ class _Bus:
         ctx.set(bus.waitrequest, int(self.rng.random() < wait))
         if not self.answers:
             return 0
-        answer = bool(self.due) and self.rng.random() < .1
+        answer = bool(self.due) and self.rng.random() < self.rate
         ctx.set(bus.writeresponsevalid, int(answer))
         response = int(self.rng.choice([0, 0, 0, 1, 2, 3]))
         ctx.set(bus.response, response)
@@ -269,6 +273,7 @@ def check_burst_writer(dut, frames=50, seed=12):
             words, content, bursts = _words(rng, most)
             cut = int(rng.integers(5, 60)) if number % 4 == 3 else None
             memory.bytes, memory.bursts, memory.failed = {}, [], 0
+            memory.rate = float(rng.choice([.02, .1, .5]))
             rows = sum(word["last"] for word in words)
             done, failed = await _burst_frame(ctx, dut, memory, words, rng, cut, rows)
             if cut is None:

@@ -144,14 +144,15 @@ def check_write_arbiter(dut, clocks=4000, seed=17):
     port = _Port(len(hosts), part.pending)
 
     async def bench(ctx):
-        wait = rate = 0.0
+        wait = rate = answers = 0.0
         for clock in range(clocks):
             if clock % 300 == 0:
                 wait, rate = float(rng.choice([0, .3, .9])), float(rng.choice([.05, .5, 1]))
+                answers = float(rng.choice([.005, .05, .4]))
             for host in hosts:
                 host.offer(ctx, rate)
             urgent, memory_rst = int(rng.integers(1 << len(hosts))), int(rng.random() < .005)
-            waits, answer = int(rng.random() < wait), bool(port.owed) and rng.random() < .06
+            waits, answer = int(rng.random() < wait), bool(port.owed) and rng.random() < answers
             for name, value in (("urgent", urgent), ("memory_rst", memory_rst),
                                 ("reset", int(rng.random() < .01))):
                 ctx.set(getattr(dut, name), value)

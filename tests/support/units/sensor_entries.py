@@ -254,17 +254,27 @@ def check_sensor_port(dut, scenes=30, seed=9):
 
 async def _scene(ctx, port, scene, number, counts):
     """Frames of a scene, compared with those that were sent."""
-    rng, dut, sent = port.rng, port.dut, []
+    rng, dut, sent, whole = port.rng, port.dut, [], []
     port.space = 1.0 if number % 4 else float(rng.choice([.3, .6, .9]))
     port.watch.frames = []
     for k in range(4):
         change, rows, end = _fault(rng, scene.sent)
         frame = rng.integers(0, 4096, (rows, scene.sent[0]))
         if rows == scene.sent[1]:
+            whole.append(frame)
             sent.append(scene.golden(frame))
         clocks = samples_of(frame, 1, rng, change, end)
+        late = int(rng.integers(25)) if number % 5 == 2 and k == 2 else None
+        ctx.set(dut.enable, int(late is None))
         stop = int(rng.integers(len(clocks))) if number % 5 == 1 and k == 1 else None
         for at, clock in enumerate(clocks):
+            if at == late:          # the frame began before, or some clocks earlier
+                ctx.set(dut.enable, 1)
+            if at == len(clocks) // 2 and number % 5 == 3 and k == 1:
+                # A frame has the gains of its beginning.
+                scene.gains = [int(gain) for gain in rng.integers(0, 1024, 3)]
+                ctx.set(dut.balance, {"gains": scene.gains, "phase": scene.phase})
+                sent += [scene.golden(one) for one in whole]
             if at == stop:
                 ctx.set(dut.enable if number % 2 else dut.reset, number % 2 ^ 1)
                 if not number % 2:

@@ -66,10 +66,11 @@ def check_frame_store(dut, clocks=5000, seed=13):
     async def bench(ctx):
         busy_rate, looked = .1, None
         for clock in range(clocks):
-            if clock % 250 == 0:
-                given["limit"] = int(rng.choice([0, 1, 2, 20, 60, 1 << 31]))
+            if clock % 100 == 0:    # a limit of any bits, and of few clocks
+                given["limit"] = (int(rng.choice([0, 1, 2, 20, 60])) if clock % 300 == 0 else
+                                  (1 << clock // 100 % 32) + int(rng.integers(12)))
                 # Readers that hold for ever, until the clocks in which all requests are frequent.
-                busy_rate = float(rng.choice([.02, .1, .5]))
+                busy_rate = float(rng.choice([.02, .05, .1, .5]))
                 ctx.set(dut.limit, given["limit"])
             given.update({
                 "begins": rng.random() < .2, "ends": rng.random() < .2,
@@ -146,7 +147,7 @@ def check_store_reader(dut, clocks=1500, seed=14):
     run_bench(dut, bench)
 
 
-def check_run_control(dut, frames=160, seed=15):
+def check_run_control(dut, frames=240, seed=15):
     """Raw frames that come while the corrector is idle or busy, good or bad, taken away or not.
 
     ``dut``: :class:`simulations.traces.Alone` with a run control. The numbers of frames corrected,
@@ -157,7 +158,7 @@ def check_run_control(dut, frames=160, seed=15):
 
     async def bench(ctx):
         for number in range(frames):
-            if number % 20 == 0:
+            if number % 60 == 0:
                 await control.settle(ctx)
             await control.frame(ctx, number)
 
