@@ -10,7 +10,7 @@ __all__ = ["check_capture", "check_parallel_source"]
 
 _WORD = 8                   # bytes of a word of memory
 _LIMIT = 900                # clocks without an entry, in which a clock has not yet stopped
-_STALL = 4700               # clocks in which the queue of a capture fills
+_STALL = 5200               # clocks in which the queue of a capture fills
 
 
 def check_parallel_source(dut, clocks=5000, seed=19):
@@ -84,6 +84,7 @@ class _Clocks:
         self.level, self.left, self.half = 0, 1, 1
         self.pins, self.area, self.good, self.bad = [], {}, 0, 0
         self.wait, self.running, self.sent, self.scene = 0.0, True, [], None
+        self.resets = 0
         self.frames = []            # of the scene; ``sent`` are their golden pictures
         self.memory_rst = 0
 
@@ -192,6 +193,9 @@ def check_capture(dut, scenes=9, seed=20):
             scene = Scene(rng, dut.part.row)
             if scene.sent[0] > 60:
                 scene = Scene(np.random.default_rng(number), dut.part.row)
+            if _EVENTS[number % len(_EVENTS)] is _stall:    # many entries, and no grid
+                scene.sent = scene.size = 25, 10
+                scene.corner, scene.weight, scene.binning = (0, 0), 0, 0
             clocks.half = number % 3 % 2
             ctx.set(dut.limit, _LIMIT if _EVENTS[number % len(_EVENTS)] is _stop else 1 << 31)
             await clocks.settle(ctx, scene)
@@ -218,6 +222,7 @@ async def _nothing(ctx, clocks):
 async def _reset(ctx, clocks):
     """Resets of the core, of the memory, or of both, at any time."""
     rng, dut = clocks.rng, clocks.dut
+    clocks.wait = .9
     for k in range(3):
         for _ in range(int(rng.integers(40, 600))):
             await clocks.clock(ctx)
@@ -229,6 +234,10 @@ async def _reset(ctx, clocks):
             clocks.left += 1            # its edge is no clock of the reset's
             await clocks.clock(ctx)
         ctx.set(dut.reset, 0)
+        # A frame is ignored whose FRAME_VALID was low for the last time within the reset.
+        clocks.resets += 1
+        clocks.pins = [(1, 0, 7)] * (clocks.resets % 4) + [(0, 0, 7)]
+        clocks.send(1)
         for _ in range(3):
             clocks.left += 1
             await clocks.clock(ctx)
