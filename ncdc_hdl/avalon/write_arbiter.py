@@ -1,7 +1,5 @@
 """Several write hosts on one port of a memory."""
 
-from functools import reduce
-from operator import or_
 
 from amaranth import *
 from amaranth.lib import wiring
@@ -93,11 +91,9 @@ class WriteArbiter(wiring.Component):
                         k = (last + step) % self.count
                         with m.If(wants[k]):
                             m.d.comb += choice.eq(k)
-        urgent = [self.urgent[k] & wants[k] for k in range(self.count)]
-        with m.If(reduce(or_, urgent)):
-            for k in reversed(range(self.count)):
-                with m.If(urgent[k]):
-                    m.d.comb += choice.eq(k)
+        for k in reversed(range(self.count)):
+            with m.If(self.urgent[k] & wants[k]):
+                m.d.comb += choice.eq(k)
         return choice
 
     def _answers(self, m, served, left):
