@@ -2,11 +2,10 @@
 
 import numpy as np
 
+from ncdc_hdl.frontend.valid import ValidTable
 from pipelines import run_bench
 
 __all__ = ["check_view_table"]
-
-_LATENCY = 2            # clocks from a row to its spans
 
 
 def _words(dut, rng, count):
@@ -52,7 +51,7 @@ async def _reads(ctx, dut, keys, stored):
         await ctx.tick()
         ctx.set(host.read, 0)
         ctx.set(host.span, 1 - span)
-        await ctx.tick().repeat(_LATENCY - 1)
+        await ctx.tick().repeat(ValidTable.latency - 1)
         assert (ctx.get(host.read_start), ctx.get(host.read_stop)) == stored[key], key
         await ctx.tick()
 
@@ -63,7 +62,7 @@ async def _scans(ctx, dut, keys, stored):
     for bank, row, _ in keys:
         ctx.set(dut.bank, bank)
         ctx.set(scan.row, row)
-        await ctx.tick().repeat(_LATENCY)
+        await ctx.tick().repeat(ValidTable.latency)
         assert ctx.get(scan.fresh)
         found = [tuple(ctx.get(scan.spans[f"{end}{span}"]) for end in ("start", "stop"))
                  for span in range(2)]
