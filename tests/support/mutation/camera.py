@@ -5,11 +5,11 @@ In the system each needs a simulation of the whole corrector, and its rare state
 
 from functools import cache
 
-from amaranth import Cat
+from amaranth import Cat, DomainRenamer
 
 from mutation.system import make as make_system
 from ncdc_bench.mutation.designs import Design, PlayedBench
-from ncdc_hdl.avalon.burst_writer import BurstWriter
+from ncdc_hdl.avalon.burst_writer import BurstWriter, word_layout
 from ncdc_hdl.avalon.bus import PENDING
 from ncdc_hdl.avalon.write_arbiter import WriteArbiter
 from ncdc_hdl.camera.capture import Capture
@@ -18,14 +18,19 @@ from ncdc_hdl.camera.frame_store import FrameStore
 from ncdc_hdl.camera.frame_writer import FrameWriter
 from ncdc_hdl.camera.grid import Grid
 from ncdc_hdl.camera.i2c import I2cController
+from ncdc_hdl.camera.layouts import ENTRY
 from ncdc_hdl.camera.level import Level
 from ncdc_hdl.camera.moved import Moved
 from ncdc_hdl.camera.parallel_source import ParallelSource
 from ncdc_hdl.camera.readers import StoreReader
 from ncdc_hdl.camera.run_control import RunControl
 from ncdc_hdl.camera.sensor_port import SensorPort
+from ncdc_hdl.lib.gains import BALANCE, NO_BALANCE
+from ncdc_hdl.lib.relay import Relay
+from ncdc_hdl.lib.word_crossing import WordCrossing
 from simulations.traces import Alone, Units, replay, trace
 from units.captures import check_capture, check_parallel_source
+from units.crossings import check_queue, check_relay, check_word_crossing, queue_of
 from units.frame_writers import check_burst_writer, check_frame_writer
 from units.hosts import check_page, check_write_arbiter
 from units.i2c_commands import check_i2c
@@ -83,6 +88,20 @@ def _sensor_side(row):
         ("moved", Moved(), {}, check_moved), ("levels", Level(), {}, check_level))}
 
 
+def _crossings():
+    """What a capture has between its parts and clocks, as it has it, under the same names."""
+    queue = queue_of(ENTRY.size, Capture(_WIDTH, burst=_BURST).depth, "sync", "camera_queue")
+    balance = DomainRenamer({"there": "camera"})(WordCrossing(BALANCE, init=NO_BALANCE))
+    return {
+        "entry_relay": (Alone(Relay(ENTRY), "camera", name="entries"), check_relay),
+        "read_relay": (Alone(Relay(ENTRY), name="relay"), check_relay),
+        "word_relay": (Alone(Relay(word_layout(_WIDTH)), name="words"), check_relay),
+        "entry_queue": (Alone(queue, name="queue", other="camera_queue", reset_less=True),
+                        check_queue),
+        "balances": (Alone(balance, name="balance", other="camera"),
+                     check_word_crossing)}
+
+
 def units():
     """Each part, as the system has it, with its check, by name."""
     system = make_system()
@@ -107,7 +126,7 @@ def units():
         "arbiter": (Alone(arbiter, means=_PASSED), check_write_arbiter),
         "arbiter_answers": (Alone(WriteArbiter(_WIDTH, _BURST, 3, PENDING), means=_PASSED),
                             check_write_arbiter),
-        "i2c": (Alone(I2cController()), check_i2c)} | _sensor_side(row)
+        "i2c": (Alone(I2cController()), check_i2c)} | _sensor_side(row) | _crossings()
 
 
 def make():
@@ -129,4 +148,5 @@ def parts(verilog, transcripts):
 
 DESIGN = Design(_TOP, _TOP, make, (PlayedBench("parts", parts),), bare=2, leaves=(
     "capture.part.side.port", "capture.part.side.source", "capture.part.writer",
-    "capture.part.bursts", "port.part.grid", "port.part.packer"))
+    "capture.part.bursts", "capture.part.entries", "capture.part.queue", "capture.part.balance",
+    "port.part.grid", "port.part.packer"))

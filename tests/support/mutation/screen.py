@@ -123,4 +123,5 @@ def starved(verilog, transcripts):
 DESIGN = Design("screen", _TOP, make, (
     PlayedBench("a quick screen", newest(.93)), PlayedBench("a slow screen", newest(.4)),
     PlayedBench("words too late", starved),
-    PlayedBench("resets", newest(.3, resets=16, latency_max=300, wait_probability=120))))
+    PlayedBench("resets", newest(.3, resets=16, latency_max=300, wait_probability=120)),
+    PlayedBench("resets of frames on the screen", newest(.93, resets=24))))

@@ -49,22 +49,39 @@ class Alone(wiring.Component):
         For names of outputs, a function of ``part``. It returns the condition with which the output
         means something, or a mask of its bits that do; others are 0. Parts of a name are joined
         by ``__``.
+    name : str
+        Of the part's instance.
+    other : str, optional
+        Another clock domain of the part.
+    reset_less : bool
+        Whether that domain has no reset.
 
     Members
     -------
-    Those of ``part``, and ``reset``.
+    Those of ``part``, and ``reset``. With another domain its ``clock``, and ``other_reset``
+    unless it has none.
     """
-    def __init__(self, part, domain="part", means=None):
+    def __init__(self, part, domain="part", means=None, *, name="part", other=None,
+                 reset_less=False):
         self.part, self.domain, self.means = part, domain, means or {}
+        self.name, self.other, self.reset_less = name, other, reset_less
         self.latency = getattr(part, "latency", None)
-        super().__init__({**part.signature.members, "reset": In(1)})
+        members = {} if other is None else {"clock": In(1)}
+        members |= {} if other is None or reset_less else {"other_reset": In(1)}
+        super().__init__({**part.signature.members, **members, "reset": In(1)})
 
     def elaborate(self, platform):
         m = Module()
         setattr(m.domains, self.domain, ClockDomain(self.domain, local=True))
         m.d.comb += [ClockSignal(self.domain).eq(ClockSignal()),
                      ResetSignal(self.domain).eq(self.reset)]
-        m.submodules.part = DomainRenamer(self.domain)(self.part)
+        if self.other is not None:
+            setattr(m.domains, self.other, ClockDomain(self.other, local=True,
+                                                       reset_less=self.reset_less))
+            m.d.comb += ClockSignal(self.other).eq(self.clock)
+            if not self.reset_less:
+                m.d.comb += ResetSignal(self.other).eq(self.other_reset)
+        m.submodules[self.name] = DomainRenamer(self.domain)(self.part)
         signature, unused = self.part.signature, set(self.means)
         for (path, member, ours), (_, _, theirs) in zip(signature.flatten(self),
                                                         signature.flatten(self.part)):

@@ -10,6 +10,7 @@ __all__ = ["check_capture", "check_parallel_source"]
 
 _WORD = 8                   # bytes of a word of memory
 _LIMIT = 900                # clocks without an entry, in which a clock has not yet stopped
+_TALL = 5                   # number of the scene with many rows
 _STALL = 5200               # clocks in which the queue of a capture fills
 
 
@@ -197,6 +198,9 @@ def check_capture(dut, scenes=9, seed=20):
                 scene.sent = scene.size = 25, 10
                 scene.corner, scene.weight, scene.binning = (0, 0), 0, 0
             clocks.half = number % 3 % 2
+            if number == _TALL:
+                scene.sent = scene.size = 5, 264
+                scene.corner, scene.weight, scene.binning, clocks.half = (0, 0), 0, 0, 1
             ctx.set(dut.limit, _LIMIT if _EVENTS[number % len(_EVENTS)] is _stop else 1 << 31)
             await clocks.settle(ctx, scene)
             clocks.wait = float(rng.choice([0, .3, .9]))
@@ -223,7 +227,7 @@ async def _reset(ctx, clocks):
     """Resets of the core, of the memory, or of both, at any time."""
     rng, dut = clocks.rng, clocks.dut
     clocks.wait = .9
-    for k in range(3):
+    for k in range(6):
         for _ in range(int(rng.integers(40, 600))):
             await clocks.clock(ctx)
         clocks.memory_rst = k % 2

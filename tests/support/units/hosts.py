@@ -133,7 +133,7 @@ class _Port:
         self.held, self.left, self.owed = False, 0, []
 
 
-def check_write_arbiter(dut, clocks=4000, seed=17):
+def check_write_arbiter(dut, clocks=7000, seed=17):
     """Hosts that want the port at any time: whole bursts, one after the other, and answers.
 
     ``dut``: :class:`simulations.traces.Alone` with an arbiter of words of 64 bits. A reset clears
@@ -144,14 +144,22 @@ def check_write_arbiter(dut, clocks=4000, seed=17):
     port = _Port(len(hosts), part.pending)
 
     async def bench(ctx):
-        wait = rate = answers = 0.0
+        wait = rate = answers = resets = 0.0
+        longest = part.burst
         for clock in range(clocks):
             if clock % 300 == 0:
                 wait, rate = float(rng.choice([0, .3, .9])), float(rng.choice([.05, .5, 1]))
                 answers = float(rng.choice([.005, .05, .4]))
+                resets, longest = .005, part.burst
+            if clock > 4000 and clock % 150 == 0:
+                # Short bursts without an answer until no more may wait, then answers, few urgent.
+                wait, rate, resets, longest = .1, .9, 0, 2
+                answers = float(clock % 300 / 150 * rng.choice([.1, .6]))
             for host in hosts:
+                host.most = longest
                 host.offer(ctx, rate)
-            urgent, memory_rst = int(rng.integers(1 << len(hosts))), int(rng.random() < .005)
+            urgent, memory_rst = int(rng.integers(1 << len(hosts))), int(rng.random() < resets)
+            urgent &= int(rng.integers(1 << len(hosts))) if clock > 4000 else -1
             waits, answer = int(rng.random() < wait), bool(port.owed) and rng.random() < answers
             for name, value in (("urgent", urgent), ("memory_rst", memory_rst),
                                 ("reset", int(rng.random() < .01))):

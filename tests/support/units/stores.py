@@ -54,7 +54,7 @@ class _Store:
                 self.bad += 1
 
 
-def check_frame_store(dut, clocks=5000, seed=13):
+def check_frame_store(dut, clocks=7000, seed=13):
     """Random requests of the writer and of all readers, compared with a reference model.
 
     ``dut``: :class:`simulations.traces.Alone` with a frame store.
@@ -71,7 +71,13 @@ def check_frame_store(dut, clocks=5000, seed=13):
                                   (1 << clock // 100 % 32) + int(rng.integers(12)))
                 # Readers that hold for ever, until the clocks in which all requests are frequent.
                 busy_rate = float(rng.choice([.02, .05, .1, .5]))
-                ctx.set(dut.limit, given["limit"])
+            if clock > 3600:    # another limit in each clock: 0, one bit, or few clocks
+                given["limit"] = int(rng.choice([0, 1 << int(rng.integers(32)),
+                                                 int(rng.integers(1, 9))], p=[.2, .2, .6]))
+                busy_rate = .1
+            if clock > 5000:    # whole times of a limit whose upper bits count
+                given["limit"], busy_rate = 600 + clock // 1000, float(clock % 700 == 50)
+            ctx.set(dut.limit, given["limit"])
             given.update({
                 "begins": rng.random() < .2, "ends": rng.random() < .2,
                 "good": rng.random() < .7, "follow": int(rng.random() < .5),
@@ -79,7 +85,7 @@ def check_frame_store(dut, clocks=5000, seed=13):
                           "time": int(rng.integers(1 << 63)) * 2 + clock % 2},
                 "readers": [(rng.random() < busy_rate, rng.random() < busy_rate)
                             for _ in part.readers]})
-            reset = rng.random() < .004
+            reset = rng.random() < .004 and clock <= 5000
             for name in ("begins", "ends", "good", "follow", "about"):
                 value = given[name]
                 ctx.set(getattr(dut, name), value if name == "about" else int(value))
