@@ -9,9 +9,13 @@ from ncdc_hdl.camera.entry_packer import EntryPacker
 from ncdc_hdl.camera.level import Level
 from ncdc_hdl.camera.moved import Moved
 from ncdc_hdl.export.verilog import module_verilog
+from ncdc_hdl.lib.gains import BALANCE, NO_BALANCE
+from ncdc_hdl.lib.relay import Relay
+from ncdc_hdl.lib.word_crossing import WordCrossing
 from ncdc_sim.tools import SimulationError
 from pipelines import run_bench
 from simulations.traces import Alone, Units, replay, trace
+from units.crossings import check_queue, check_relay, check_word_crossing, queue_of
 from units.levels import check_level, check_moved
 from units.sensor_entries import check_entry_packer
 
@@ -111,3 +115,28 @@ def test_checks_of_parts_pass():
     check_level(Alone(Level()), settings=6)
     check_moved(Alone(Moved()), count=200)
     check_entry_packer(Alone(EntryPacker(1)), clocks=900)
+
+
+def test_another_clock_and_crossings():
+    check_relay(Alone(Relay(8), name="relay"), clocks=400)
+    balance = DomainRenamer({"there": "camera"})(WordCrossing(BALANCE, init=NO_BALANCE))
+    check_word_crossing(Alone(balance, name="balance", other="camera"), clocks=1500)
+    queue = queue_of(9, 16, "sync", "pins")
+    check_queue(Alone(queue, name="queue", other="pins", reset_less=True))
+
+
+class Forgetting(Relay):
+    """A relay that is always ready: what it cannot hold is lost."""
+
+    def elaborate(self, platform):
+        m = Module()
+        m.submodules.relay = relay = Relay(self.shape)
+        m.d.comb += [relay.i.valid.eq(self.i.valid), relay.i.payload.eq(self.i.payload),
+                     self.i.ready.eq(1), self.o.valid.eq(relay.o.valid),
+                     self.o.payload.eq(relay.o.payload), relay.o.ready.eq(self.o.ready)]
+        return m
+
+
+def test_an_item_that_is_lost_is_found():
+    with pytest.raises(AssertionError):
+        check_relay(Alone(Forgetting(8)), clocks=400)

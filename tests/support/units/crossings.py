@@ -1,6 +1,7 @@
 """Stages between others, and what leads from one clock to another: queues that run full, words."""
 
 import numpy as np
+from amaranth import Value
 from amaranth.lib import wiring
 from amaranth.lib.fifo import AsyncFIFOBuffered
 from amaranth.lib.wiring import In, Out
@@ -30,7 +31,7 @@ def check_relay(dut, clocks=1500, seed=22):
     ``dut``: :class:`simulations.traces.Alone` with a relay.
     """
     rng, waiting = np.random.default_rng(seed), []
-    width = len(dut.i.payload.as_value())
+    width = len(Value.cast(dut.i.payload))
 
     async def bench(ctx):
         offered, rates = False, (.5, .5)
@@ -39,13 +40,13 @@ def check_relay(dut, clocks=1500, seed=22):
                 rates = rng.choice([.2, .6, 1]), rng.choice([.2, .6, 1])
             if not offered and rng.random() < rates[0]:
                 item, offered = _bits(rng, width), True
-                ctx.set(dut.i.payload.as_value(), item)
+                ctx.set(Value.cast(dut.i.payload), item)
             reset = rng.random() < .005
             ctx.set(dut.i.valid, int(offered))
             ctx.set(dut.o.ready, int(rng.random() < rates[1]))
             ctx.set(dut.reset, int(reset))
             _, _, takes, valid, ready, found = await ctx.tick().sample(
-                dut.i.ready, dut.o.valid, dut.o.ready, dut.o.payload.as_value())
+                dut.i.ready, dut.o.valid, dut.o.ready, Value.cast(dut.o.payload))
             assert valid == bool(waiting) and takes == (len(waiting) < 2)
             assert not valid or found == waiting[0]
             waiting[:] = waiting[bool(valid and ready):] + [item] * bool(offered and takes)
