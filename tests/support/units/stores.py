@@ -54,7 +54,7 @@ class _Store:
                 self.bad += 1
 
 
-def check_frame_store(dut, clocks=7000, seed=13):
+def check_frame_store(dut, clocks=7200, seed=13):
     """Random requests of the writer and of all readers, compared with a reference model.
 
     ``dut``: :class:`simulations.traces.Alone` with a frame store.
@@ -75,8 +75,10 @@ def check_frame_store(dut, clocks=7000, seed=13):
                 given["limit"] = int(rng.choice([0, 1 << int(rng.integers(32)),
                                                  int(rng.integers(1, 9))], p=[.2, .2, .6]))
                 busy_rate = .1
-            if clock > 5000:    # whole times of a limit whose upper bits count
-                given["limit"], busy_rate = 600 + clock // 1000, float(clock % 700 == 50)
+            if clock > 5000:    # whole times of a limit, then the first clocks of each bit's
+                given["limit"], busy_rate = 600 + clock // 650, float(clock % 650 == 100)
+            if clock > 6600:
+                given["limit"], busy_rate = (1 << clock // 16 % 32) + 3, float(clock % 16 == 0)
             ctx.set(dut.limit, given["limit"])
             given.update({
                 "begins": rng.random() < .2, "ends": rng.random() < .2,
