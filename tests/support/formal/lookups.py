@@ -8,7 +8,7 @@ from formal.properties import always, constant, given, inner, reached
 from formal.queue_state import entries
 from formal.wrapper import Wrapper
 from ncdc_hdl.backend.cache.forwarding import EARLIER
-from ncdc_hdl.backend.cache.layouts import lookup_layout, row_bits
+from ncdc_hdl.backend.cache.layouts import Banks, lookup_layout, row_bits
 from ncdc_hdl.backend.cache.retire import Retire
 from ncdc_hdl.backend.cache.tags import Tags
 from ncdc_hdl.lib.relay import Relay
@@ -44,7 +44,7 @@ class _Lookups(Wrapper):
         options = CacheOptions(tiles=16, pending=4, outstanding=2, sequence_bits=4,
                                interpolation=needs)
         self.options, self.split, self.rows = options, split, needs.tile_rows
-        self.tags, self.retire = tags(_BITS, options), retire(_BITS, options, 8)
+        self.tags, self.retire = tags(_BITS, options), retire(_BITS, options, Banks(2, 8))
         self.odd_frame = Signal()
         super().__init__({
             "valid": In(1), "tile_x": In(_BITS), "tile_y": In(_BITS), "across": In(1),
