@@ -3,7 +3,6 @@
 In the system each needs a simulation of the whole corrector, and its rare states hardly come.
 """
 
-from functools import cache
 
 from amaranth import Cat, DomainRenamer
 
@@ -28,7 +27,7 @@ from ncdc_hdl.camera.sensor_port import SensorPort
 from ncdc_hdl.lib.gains import BALANCE, NO_BALANCE
 from ncdc_hdl.lib.relay import Relay
 from ncdc_hdl.lib.word_crossing import WordCrossing
-from simulations.traces import Alone, Units, replay, trace
+from simulations.traces import Alone, Recorded
 from units.captures import check_capture, check_parallel_source
 from units.crossings import check_queue, check_relay, check_word_crossing, queue_of
 from units.frame_writers import check_burst_writer, check_frame_writer
@@ -129,24 +128,9 @@ def units():
         "i2c": (Alone(I2cController()), check_i2c)} | _sensor_side(row) | _crossings()
 
 
-def make():
-    """All parts next to each other."""
-    return Units({name: part for name, (part, _) in units().items()})
-
-
-@cache
-def traces():
-    """What each check gives its part, and what comes out."""
-    return {name: trace(part, check) for name, (part, check) in units().items()}
-
-
-def parts(verilog, transcripts):
-    """All parts with the inputs of their checks."""
-    replay({name: part for name, (part, _) in units().items()}, traces(), verilog, transcripts,
-           top=_TOP)
-
-
-DESIGN = Design(_TOP, _TOP, make, (PlayedBench("parts", parts),), bare=2, leaves=(
+_RECORDED = Recorded(units, _TOP)
+DESIGN = Design(_TOP, _TOP, _RECORDED.make, (PlayedBench("parts", _RECORDED.parts),), bare=2,
+                leaves=(
     "capture.part.side.port", "capture.part.side.source", "capture.part.writer",
     "capture.part.bursts", "capture.part.entries", "capture.part.queue", "capture.part.balance",
     "port.part.grid", "port.part.packer"))

@@ -3,7 +3,6 @@
 The lowest bits of products, or the highest ones of sizes, hardly reach a pixel of a small frame.
 """
 
-from functools import cache
 
 from mutation.core import HARDWARE, largest
 from mutation.core import make as make_corrector
@@ -11,7 +10,7 @@ from ncdc_bench.mutation.designs import Design, PlayedBench
 from ncdc_hdl.avalon.read_fence import ReadFence
 from ncdc_hdl.backend.packer import Packer
 from ncdc_hdl.frontend.strips import Strips
-from simulations.traces import Units, replay, trace
+from simulations.traces import Recorded
 from units.checks import check_checks
 from units.colours import check_colour
 from units.fences import check_read_fence
@@ -84,20 +83,5 @@ def units():
             "writer": (corrector.writer, check_burst_writer)}
 
 
-def make():
-    """All parts next to each other."""
-    return Units({name: part for name, (part, _) in units().items()})
-
-
-@cache
-def traces():
-    """What each check gives its part, and what comes out."""
-    return {name: trace(part, check) for name, (part, check) in units().items()}
-
-
-def parts(verilog, transcripts):
-    """All parts with the inputs of their checks."""
-    replay({name: part for name, (part, _) in units().items()}, traces(), verilog, transcripts)
-
-
-DESIGN = Design("units", "units", make, (PlayedBench("parts", parts),), bare=1)
+_RECORDED = Recorded(units, "units")
+DESIGN = Design("units", "units", _RECORDED.make, (PlayedBench("parts", _RECORDED.parts),), bare=1)

@@ -14,7 +14,7 @@ from ncdc_sim.transcript import transcribed
 from pipelines import watched
 from simulations import HDL
 
-__all__ = ["Alone", "Units", "replay", "trace"]
+__all__ = ["Alone", "Recorded", "Units", "replay", "trace"]
 
 
 class Units(wiring.Component):
@@ -210,3 +210,31 @@ def replay(units, traces, verilog, transcripts, top="units"):
             raise SimulationError(line)
 
     transcribed(command_of(program), hear, transcripts, files=files)
+
+
+class Recorded:
+    """A design of parts with their checks, recorded once and replayed in Verilog.
+
+    Parameters
+    ----------
+    units : callable
+        Gives new parts, and the check of each: ``{name: (part, check)}``.
+    top : str
+        Name of their module.
+    """
+    def __init__(self, units, top):
+        self.units, self.top = units, top
+
+    def make(self):
+        """All parts next to each other."""
+        return Units({name: part for name, (part, _) in self.units().items()})
+
+    @cached_property
+    def traces(self):
+        """What each check gives its part, and what comes out."""
+        return {name: trace(part, check) for name, (part, check) in self.units().items()}
+
+    def parts(self, verilog, transcripts):
+        """Run all parts with the inputs of their checks."""
+        parts = {name: part for name, (part, _) in self.units().items()}
+        replay(parts, self.traces, verilog, transcripts, top=self.top)

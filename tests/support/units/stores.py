@@ -21,7 +21,7 @@ class _Store:
         self.readers = [{"held": 0, "lost": 0, "buffer": 0, "left": 0} for _ in range(self.count)]
 
     def free(self):
-        """Buffers that nobody has."""
+        """Buffers that no reader has."""
         used = {self.newest} if self.some else set()
         used |= {self.buffer} if self.busy else set()
         used |= {one["buffer"] for one in self.readers if one["held"]}
