@@ -1,12 +1,14 @@
 """The register agent: reset values, read-back, shadowing, interrupt."""
 
 import random
+from collections import deque
 
 import cocotb
 from cocotb.triggers import FallingEdge, ReadOnly
 
 from benches.avalon import Host
 from benches.common import clocks, settings, start
+from ncdc_hdl.frontend.valid import ValidTable
 from ncdc_spec.descriptor import Descriptor
 from ncdc_spec.registers.host_values import host_values
 from ncdc_spec.registers.register_map import (
@@ -98,8 +100,8 @@ async def frame_boundary(dut):
 
 
 async def table(dut, entries):
-    """The table's side of the registers: (row, span) to (start, stop), two clocks to read."""
-    rng, asked = random.Random(2), None
+    """The table's side of the registers: (row, span) to (start, stop), after its latency."""
+    rng, asked = random.Random(2), deque([None] * (ValidTable.latency - 1))
     while True:
         await ReadOnly()
         at = int(dut.valid_table__row.value), int(dut.valid_table__span.value)
@@ -108,8 +110,9 @@ async def table(dut, entries):
             entries[at] = int(dut.valid_table__start.value), int(dut.valid_table__stop.value)
         await FallingEdge(dut.clk)
         # Between reads the scan uses the table's port: something else stands there.
-        answer = entries[asked] if asked else (rng.getrandbits(13), rng.getrandbits(13))
-        asked = at if read else None
+        asked.append(at if read else None)
+        first = asked.popleft()
+        answer = entries[first] if first else (rng.getrandbits(13), rng.getrandbits(13))
         dut.valid_table__read_start.value, dut.valid_table__read_stop.value = answer
 
 
