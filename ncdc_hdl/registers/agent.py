@@ -11,6 +11,7 @@ from amaranth.utils import exact_log2
 from ncdc_hdl.avalon.bus import Agent
 from ncdc_hdl.frontend.layouts import ROW_WRITES
 from ncdc_hdl.frontend.signatures import TableAccess
+from ncdc_hdl.frontend.valid import ValidTable
 from ncdc_hdl.lib.pipeline import delay, register
 from ncdc_hdl.neural.banks import BANK_WRITES
 from ncdc_hdl.registers.view_pass import ViewPass
@@ -29,6 +30,8 @@ from ncdc_spec.view_list import ENTRY_WORDS
 from ncdc_spec.view_rows import MAX_MATRICES, ROWS_BANK, ROWS_STATUS, ROWS_TABLE
 
 __all__ = ["Registers"]
+
+_VALID = 5      # of the clocks of a read, that in which its word is on the bus
 
 
 class Registers(wiring.Component):
@@ -181,7 +184,7 @@ class Registers(wiring.Component):
                 m.d.sync += fault[flag.name].eq(1)
         self._keep(m, written, word, held, status["COMMITTED"])
         rejected = Const(0) if self.fixed else self._table(
-            m, address, (write[0], read[1]), word, held, status)
+            m, address, (write[0], read[_VALID - 1 - ValidTable.latency]), word, held, status)
         if self.entries:
             rejected |= list_rejected
         if self.view_rows:
@@ -222,7 +225,7 @@ class Registers(wiring.Component):
         write = self._steps(m, "write", bus.write & free)
         read = self._steps(m, "read", bus.read & free)
         m.d.sync += accept.eq(write[3] | read[3])
-        m.d.comb += [bus.waitrequest.eq(~accept), bus.readdatavalid.eq(read[5])]
+        m.d.comb += [bus.waitrequest.eq(~accept), bus.readdatavalid.eq(read[_VALID])]
         with m.If(accept):
             m.d.sync += under_way.eq(0)
         return address, word, under_way, write, read
