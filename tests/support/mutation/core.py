@@ -15,7 +15,7 @@ from ncdc_spec.cache_options import CacheOptions
 from ncdc_spec.colour import Colour
 from ncdc_spec.descriptor import Descriptor, FloatNetwork
 from ncdc_spec.frames import BGR8, BGRX8
-from ncdc_spec.geometry import Geometry, ValidRows
+from ncdc_spec.geometry import MONO, Geometry, ValidRows
 from ncdc_spec.hardware import Hardware
 from ncdc_spec.interpolation import GRADIENT
 from ncdc_spec.registers.register_map import FAULT_ALIGNMENT, FAULT_FORMAT, FAULT_SIZE, FAULT_TARGET
@@ -112,6 +112,15 @@ def frame(verilog, transcripts):
     assert result.counters["PIXELS"] == result.golden.shape[0] * result.golden.shape[1]
     assert result.counters["CLOCKS"] <= result.clocks_outside <= result.counters["CLOCKS"] + 64
     assert result.sums == result.sums_expected
+
+
+def grey(verilog, transcripts):
+    """One frame of a grey sensor."""
+    descriptor, raw = _camera(7, ((40, 20), (44, 22)), 2, seed=1, bayer=MONO, strength=.4,
+                              fill=(200, 100, 50))
+    result = simulate_correction(descriptor, raw, HARDWARE, verilog=verilog, memory="hostile",
+                                 clock_limit=30_000, transcripts=transcripts)
+    assert result.differing == [] and result.bytes_outside == 0
 
 
 def lens_change(verilog, transcripts):
@@ -266,8 +275,8 @@ def fuzz(verilog, transcripts):
     assert result.differing == (0,) * 6 and result.outside == 0
 
 
-_RUNS = {"frame": frame, "lists": lists, "lens change": lens_change, "read back": read_back,
-         "wrong lists": wrong_lists, "ragged rows": ragged, "far": far,
+_RUNS = {"frame": frame, "grey": grey, "lists": lists, "lens change": lens_change,
+         "read back": read_back, "wrong lists": wrong_lists, "ragged rows": ragged, "far": far,
          "early start": early_start, "resets, memory forgets": resets(True),
          "resets, memory answers": resets(False), "register fuzz": fuzz, "wide": wide}
 
