@@ -157,7 +157,7 @@ private:
         const int least = kMargin ? 8 : kCore;
         f.width = random.bernoulli(32) ? random.between(least, 40) : random.between(least, 4096);
         f.height = random.bernoulli(32) ? random.between(least, 20) : random.between(least, 4096);
-        f.pitch = (f.width + 15) / 16 * 16 + 16 * random.below(8);
+        f.pitch = (f.width + kWord - 1) / kWord * kWord + kWord * random.below(128 / kWord);
         int splits = 1;
         while (1 << splits < 2 * kSets) splits++;
         f.split = random.below(splits), f.phase = random.below(4);
@@ -181,9 +181,11 @@ private:
         // Half of the frames are where the one before was, at another base.
         if (f.groups == 0 || random.bernoulli(128)) choose_area();
         // A frame of 4096 rows of at most 4208 bytes is below the end of all addresses.
-        f.base = 16 * random.below(far ? (1u << 28) - (1u << 21) : 1u << 26);
-        // Half of the buffers end with the frame: no byte after it is read.
-        f.limit = f.base + f.pitch * f.height + (random.bernoulli(128) ? 0 : 4 * f.pitch);
+        f.base = kWord * random.below((far ? (1u << 28) - (1u << 21) : 1u << 26) * (16 / kWord));
+        // Half of the buffers end with the frame: no byte is read after those that a tile of 16
+        // columns may have beyond a row.
+        f.limit = f.base + f.pitch * f.height + (f.pitch % 16 ? 16 - kWord : 0)
+                  + (random.bernoulli(128) ? 0 : 4 * f.pitch);
         f.pattern = random.below(far ? 5 : 4);
         f.blank = random.bernoulli(64) ? random.below(256) : 20;
         f.gap = random.bernoulli(128) ? 0 : random.below(200);
@@ -227,6 +229,9 @@ private:
         ask(group, 0, kLanes);
         return group;
     }
+
+    // A fraction that differs from the number of its group in most bits.
+    static std::uint64_t scrambled(std::uint64_t number) { return number * 0x9E3779B1 >> 7; }
 
     // First and last sample in the frame of the window of a coordinate.
     static std::uint32_t first(std::uint32_t position) {
@@ -306,7 +311,7 @@ private:
                 put(dut->PORT(i, payload), I_X0 + at, 12, p.x);
                 put(dut->PORT(i, payload), I_Y0 + at, 12, p.y);
                 put(dut->PORT(i, payload), I_FX + at, kFraction, current.number + k);
-                put(dut->PORT(i, payload), I_FY + at, kFraction, (current.number >> kFraction) ^ k);
+                put(dut->PORT(i, payload), I_FY + at, kFraction, scrambled(current.number) ^ k);
                 put(dut->PORT(i, payload), I_BLANK + at, 1, p.blank);
 #if NCDC_MARGIN
                 put(dut->PORT(i, payload), I_EDGE_X + at, 3, edge(p.x, f.width));
@@ -407,7 +412,7 @@ private:
             const std::uint32_t mask = (1u << kFraction) - 1;
             right &= bits(window, O_FX + at, kFraction) == ((group.number + k) & mask);
             right &= bits(window, O_FY + at, kFraction)
-                     == (((group.number >> kFraction) ^ k) & mask);
+                     == ((scrambled(group.number) ^ k) & mask);
             right &= bits(window, O_BLANK + at, 1) == p.blank;
             if (p.blank) continue;
 #if NCDC_MARGIN

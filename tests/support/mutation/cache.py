@@ -32,5 +32,6 @@ DESIGN = Design("cache", "cache", make, (
     PlayedBench("small frames", random_windows(8000, frame_bits=7)),
     PlayedBench("large frames", random_windows(8000, frame_bits=12, seed=2)),
     PlayedBench("resets", random_windows(4000, frame_bits=7, resets=128, seed=3)),
-    PlayedBench("far", random_windows(6000, frame_bits=7, seed=4, far=1))),
+    PlayedBench("far", random_windows(6000, frame_bits=7, seed=4, far=1)),
+    PlayedBench("long", random_windows(60_000, frame_bits=10, seed=5))),
     leaves=("fills.fence",))
