@@ -39,12 +39,14 @@ def reasoned(report):
 
 
 def _scores(report):
-    rows = [*report["rows"], {"design": "all", "module": "", **report["summary"]}]
-    return ["| design | module | mutants | killed | equivalent | survived | score |",
-            "|---|---|---|---|---|---|---|",
+    argued = sum(len(row.get("argued", ())) for row in report["rows"])
+    rows = [*((row, len(row.get("argued", ()))) for row in report["rows"]),
+            ({"design": "all", "module": "", **report["summary"]}, argued)]
+    return ["| design | module | mutants | killed | equivalent | (argued) | survived | score |",
+            "|---|---|---|---|---|---|---|---|",
             *(f"| {row['design']} | {_code(row['module'])} | {row['mutants']} | {row['killed']} | "
-              f"{row['equivalent']} | {row['survived']} | {100 * row['score']:.1f} % |"
-              for row in rows)]
+              f"{row['equivalent']} | {argued} | {row['survived']} | {100 * row['score']:.1f} % |"
+              for row, argued in rows)]
 
 
 def _survivors(report, kind="survivors"):
