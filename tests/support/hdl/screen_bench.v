@@ -7,16 +7,19 @@
 // `starves` clocks. screen.bin has four bytes for each pixel clock after the reset: blue, green,
 // red, and bit 0 visible, 1 HSYNC, 2 VSYNC. The run ends `pixels` pixel clocks after the reset. Before, there
 // are `resets` others, every second one of the memory as well, all but the last at times of the core alone.
-// After the last one all begins anew.
+// After the last one all begins anew. In pixel clock number `reset_at` after that, if it is not 0, the core alone
+// is reset for `reset_clocks` of its clocks, and the screen is written on. If `reset_whole` is 1, all is reset and
+// begins anew. Later the memory takes all reads.
 //
 // Lines: RESULT lines.
 
 `timescale 1ns/1ps
 
 module screen_bench (input wire clk, pixel);
-    localparam BYTES = 65536;
+    localparam BYTES = 65536, MOST_CLOCKS = 500_000;
     reg [127:0] chosen, choices;
-    reg [31:0]  starved, starves, commands, pixels, resets;
+    reg [31:0]  starved, starves, commands, pixels, resets, reset_at, reset_clocks,
+                reset_whole;
     integer     content, screen;
     initial begin
         if (!$value$plusargs("choices=%h", chosen)) chosen = -1;
@@ -25,6 +28,9 @@ module screen_bench (input wire clk, pixel);
         if (!$value$plusargs("starves=%d", starves)) starves = 0;
         if (!$value$plusargs("commands=%d", commands)) commands = 0;
         if (!$value$plusargs("pixels=%d", pixels)) pixels = 1000;
+        if (!$value$plusargs("reset_at=%d", reset_at)) reset_at = 0;
+        if (!$value$plusargs("reset_clocks=%d", reset_clocks)) reset_clocks = 1;
+        if (!$value$plusargs("reset_whole=%d", reset_whole)) reset_whole = 0;
         content = $fopen("content.bin", "rb");
         memory.load(content, 0, BYTES);
         screen = $fopen("screen.bin", "wb");
@@ -71,6 +77,10 @@ module screen_bench (input wire clk, pixel);
     always @(posedge clk) begin
         clocks <= clocks + 1;
         since <= since + 1;
+        if (clocks == MOST_CLOCKS) begin        // no reset comes, as no word is ever owed
+            $display("RESULT clocks %0d", clocks);
+            $finish;
+        end
         if (left != 0) left <= left - 1;
         owed <= memory_rst ? 0 : owed + (read && !waitrequest ? burstcount : 0) - valid;
         hash = clocks * 32'h9E3779B1;
@@ -84,6 +94,13 @@ module screen_bench (input wire clk, pixel);
             whole <= resets == 1 || hash[29];
             left <= resets == 1 || hash[29] ? 6 + hash[31:30] : 1 + hash[31:30];
             resets <= resets - 1;
+        end else if (reset_at != 0 && pixel_clocks >= reset_at && resets == 0) begin
+            rst <= 1;
+            memory_rst <= reset_whole[0];
+            whole <= reset_whole[0];
+            left <= reset_clocks - 1;
+            reset_at <= 0;
+            starved <= -1;
         end
         // The base is a buffer's in the clock after a claim only.
         base <= hash;

@@ -120,8 +120,51 @@ def starved(verilog, transcripts):
         assert results["underruns"] == 1
 
 
+def starved_and_reset(verilog, transcripts):
+    """A reset of all, or of the core alone, after a picture whose words came too late."""
+    for whole in (1, 0):
+        screens, results = screens_of(
+            verilog, transcripts, starved=1, commands=30, starves=7_031, pixel_period=19_000,
+            reset_at=4 * _LINE * _LINES, reset_clocks=8, reset_whole=whole)
+        first = 0 if whole else 5       # picture that begins after the reset
+        inner = check_beam(screens)[first:]
+        for k, picture in enumerate(inner):
+            claim = results["claims"] - 1 - len(inner) + k
+            np.testing.assert_array_equal(picture, frame_of(claim) if claim >= 0 else 0)
+        # The core alone counts the late picture again, whose event crosses the clocks anew.
+        assert results["underruns"] == (0 if whole else 1), results
+
+
+def restarted(verilog, transcripts):
+    """A reset of the core alone, in the blanking before a picture, or in the midst of one.
+
+    It is as short as the queue between the clocks allows: one clock of each. The picture is black
+    from there on, but for a pixel whose word has left the queue; the next one is of a new frame.
+    """
+    ratio, clocks = .4, 4
+    begin = (_MODE.vertical[0] - _HEIGHT) // 2 * _LINE      # of the lines that show the frame
+    for at, before in ((3, -200), (4, -217), (5, 0), (3, 10 * _LINE)):
+        screens, results = screens_of(
+            verilog, transcripts, pixel_period=int(10_000 / ratio), reset_clocks=clocks,
+            reset_at=at * _LINE * _LINES + begin + before)
+        inner = check_beam(screens).reshape(-1, _WIDTH * _HEIGHT, 3)
+        for k, picture in enumerate(inner[:at]):
+            np.testing.assert_array_equal(picture, frame_of(k - 1).reshape(-1, 3) if k else 0)
+        old = frame_of(at - 1).reshape(-1, 3)
+        shown = int((inner[at] != old).any(axis=1).argmax())
+        assert shown <= 2 + max(before, 0) // _LINE * _WIDTH and not inner[at, shown:].any()
+        # The core may take the reset for the end of a picture, and claim a frame at once.
+        due = len(inner) - at
+        assert results["claims"] in (due, due + 1), results
+        for k, picture in enumerate(inner[at + 1:]):
+            claim = results["claims"] - due + k
+            np.testing.assert_array_equal(picture, frame_of(claim).reshape(-1, 3))
+
+
 DESIGN = Design("screen", _TOP, make, (
     PlayedBench("a quick screen", newest(.93)), PlayedBench("a slow screen", newest(.4)),
     PlayedBench("words too late", starved),
+    PlayedBench("resets after words too late", starved_and_reset),
     PlayedBench("resets", newest(.3, resets=16, latency_max=300, wait_probability=120)),
-    PlayedBench("resets of frames on the screen", newest(.93, resets=24))))
+    PlayedBench("resets of frames on the screen", newest(.93, resets=24)),
+    PlayedBench("resets of the core alone", restarted)))
