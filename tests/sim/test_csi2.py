@@ -19,6 +19,7 @@ from csi2_frames import (
     odd_frames,
     received,
     reset_frames,
+    residue_frames,
     whole_frames,
 )
 from ncdc_spec.sensors.csi2 import SAMPLE_BITS_OF, DataType
@@ -59,6 +60,12 @@ def test_each_bit_and_pair_of_bits_of_a_header(lanes):
 def test_rows_of_any_number_of_bytes(lanes, kind):
     wire, bad, faults = odd_frames(lanes, kind)
     check_statuses(received(wire, kind), bad, faults)
+
+
+@pytest.mark.parametrize("lanes", LANES)
+def test_each_bit_that_a_wrong_checksum_leaves(lanes):
+    wire, bad, faults = residue_frames(lanes)
+    check_statuses(received(wire, DataType.RAW8), bad, faults)
 
 
 @pytest.mark.longer

@@ -1,6 +1,6 @@
 """Frames at the lanes of a CSI-2 receiver: whole ones, each fault planted, corrupted packets."""
 
-from itertools import combinations
+from itertools import combinations, product
 
 import numpy as np
 
@@ -12,7 +12,7 @@ from ncdc_spec.sensors.csi2 import MAX_SKEW, SAMPLE_BITS_OF, DataType
 
 __all__ = ["FAULTS", "check_corrupted", "check_faulty", "check_reset", "check_statuses",
            "check_whole", "corrupted_frames", "faulty_frames", "header_frames", "long_frames",
-           "odd_frames", "received", "reset_frames", "whole_frames"]
+           "odd_frames", "received", "reset_frames", "residue_frames", "whole_frames"]
 
 CHANNEL = 2
 GROUPS = {DataType.RAW8: 1, DataType.RAW10: 4, DataType.RAW12: 2}      # samples of a group
@@ -263,6 +263,24 @@ def odd_frames(lanes, kind):
     return wire, bad, {"length": sum(bad)} if any(bad) else {}
 
 
+def residue_frames(lanes):
+    """A wire with frames, the checksum of a row wrong so that one bit of its remainder is not 0.
+
+    Each of the 16 bits is that one in a row of an odd number of bytes, and of an even one. Returns
+    as :func:`header_frames`.
+    """
+    rng, kind = np.random.default_rng(lanes), DataType.RAW8
+    wire = resting(lanes, rng)
+    for size, bit in product((7, 8), range(16)):
+        wrong = 1 << bit
+        for _ in range(16):         # back through the bits of the checksum
+            wrong = (wrong ^ 0x8408) << 1 | 1 if wrong >> 15 else wrong << 1
+        bits = [8 * (4 + size) + k for k in range(16) if wrong >> k & 1]
+        packets = frame_packets(random_frame(rng, kind, size, 3), kind, CHANNEL)
+        send(wire, lanes, row(packets, lambda one, bits=bits: flip(one, *bits)))
+    return wire, [True] * 32, {"checksum": 32}
+
+
 def check_statuses(result, bad, faults):
     """Each frame came, bad or not, and those faults were counted."""
     assert [frame.bad for frame in result.frames] == bad
@@ -275,7 +293,7 @@ def long_frames(lanes):
     rng, kind = np.random.default_rng(lanes), DataType.RAW8
     wire = resting(lanes, rng)
     rows = [random_frame(rng, kind, groups, 1)[0]
-            for groups in (65_535, *((1 << k) + k % 5 for k in range(6, 16)))]
+            for groups in (65_535, 200, *((1 << k) + k % 5 for k in range(6, 16)))]
     send(wire, lanes, frame_packets(rows, kind, CHANNEL))
     return wire, [rows]
 

@@ -16,6 +16,7 @@ from csi2_frames import (
     odd_frames,
     received,
     reset_frames,
+    residue_frames,
     whole_frames,
 )
 from ncdc_bench.mutation.designs import Design, PlayedBench
@@ -30,6 +31,7 @@ _LANES = 2
 whole_frames, faulty_frames = cache(whole_frames), cache(faulty_frames)
 corrupted_frames, reset_frames = cache(corrupted_frames), cache(reset_frames)
 header_frames, odd_frames, long_frames = map(cache, (header_frames, odd_frames, long_frames))
+residue_frames = cache(residue_frames)
 
 
 def make():
@@ -76,6 +78,13 @@ def lengths(verilog, transcripts):
                 DataType.RAW8)
 
 
+def residues(verilog, transcripts):
+    """Checksums that leave a single bit, each one."""
+    wire, bad, faults = residue_frames(_LANES)
+    check_statuses(received(wire, DataType.RAW8, verilog=verilog, transcripts=transcripts), bad,
+                   faults)
+
+
 def resets(verilog, transcripts):
     """Resets at any clock."""
     wire, sent, reset, whole = reset_frames(_LANES)
@@ -84,6 +93,6 @@ def resets(verilog, transcripts):
 
 
 _RUNS = {"frames": frames, "faults": faults, "corrupted packets": corrupted, "resets": resets,
-         "headers": headers, "lengths": lengths}
+         "headers": headers, "lengths": lengths, "wrong checksums": residues}
 
 DESIGN = Design("csi2", RECEIVER, make, tuple(PlayedBench(*item) for item in _RUNS.items()))

@@ -317,19 +317,28 @@ def aborted(verilog, transcripts):
     assert result.reads[0] == STATUS_DONE and 0 < sent < len(whole)
     assert result.packets == [*whole[:sent], *packets_of(_CONTENT, headers, 16)]
 
-    script, whole = Script(), packets_of(_CONTENT, headers, 16)
+    reset_often(verilog, transcripts, headers, 700, latency_max=300)
+    # Two whole bursts are due at most resets, and long after them.
+    reset_often(verilog, transcripts, plain(256, 8), 400, latency_min=600, latency_max=900,
+                clock_limit=300_000)
+
+
+def reset_often(verilog, transcripts, headers, longest, **settings):
+    """Resets of the packetiser, or of all, in the midst of frames; the last frame is right."""
+    rng, script, whole = random.Random(9), Script(), packets_of(_CONTENT, headers, 16)
     script.prepare(rng, headers, 16)
     for k in range(40):
         # After a reset the next read comes as soon as it can, while words of the last one are due.
-        script.put(PAYLOAD=64, PACKETS=20, LAST=49, BASE=16)
+        script.put(PAYLOAD=headers.payload_bytes, PACKETS=headers.packets, LAST=headers.last_bytes,
+                   BASE=16)
         script.put(CONTROL=CONTROL_SEND)
-        script.wait(rng.randrange(40, 700))
+        script.wait(rng.randrange(40, longest))
         script.reset(rng.randrange(1, 4), memory=k % 4 == 3)
     script.settled(_BUSY)
     script.prepare(rng, headers, 16)
     script.put(CONTROL=CONTROL_SEND)
     script.settled(_BUSY)
-    result = outcome(verilog, transcripts, script, stall=60, latency_max=300)
+    result = outcome(verilog, transcripts, script, stall=60, **settings)
     assert result.reads == [0, STATUS_DONE] and result.packets[-len(whole):] == whole
 
 

@@ -81,6 +81,9 @@ def onwards(verilog, transcripts):
         hosts[k] = Host(ONWARDS, 0, 16, 16)
         result = outcome(hosts, 4000, verilog, transcripts)
         assert result["beats"] > share * 4000, (k, result["beats"])
+    # With short bursts each turn counts: the video reader alone gives none to another host.
+    result = outcome([_OFF, _OFF, Host(ONWARDS, 0, 1, 2), _OFF], 3000, verilog, transcripts)
+    assert result["beats"] > .6 * 3000, result["beats"]
 
 
 def waits(verilog, transcripts):
