@@ -16,7 +16,7 @@
 `timescale 1ns/1ps
 
 module screen_bench (input wire clk, pixel);
-    localparam BYTES = 65536, MOST_CLOCKS = 500_000;
+    localparam BYTES = 65536, MAX_CLOCKS = 500_000;
     reg [127:0] chosen, choices;
     reg [31:0]  starved, starves, commands, pixels, resets, reset_at, reset_clocks,
                 reset_whole;
@@ -77,7 +77,7 @@ module screen_bench (input wire clk, pixel);
     always @(posedge clk) begin
         clocks <= clocks + 1;
         since <= since + 1;
-        if (clocks == MOST_CLOCKS) begin        // no reset comes, as no word is ever owed
+        if (clocks == MAX_CLOCKS) begin        // no reset comes, as no word is ever owed
             $display("RESULT clocks %0d", clocks);
             $finish;
         end
