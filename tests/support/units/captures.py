@@ -11,6 +11,7 @@ __all__ = ["check_capture", "check_parallel_source"]
 _WORD = 8                   # bytes of a word of memory
 _LIMIT = 900                # clocks without an entry, in which a clock has not yet stopped
 _TALL = 5                   # number of the scene with many rows
+_EVEN = 3                   # number of a scene that is moved far to an even grid
 _STALL = 5200               # clocks in which the queue of a capture fills
 
 
@@ -194,6 +195,8 @@ def check_capture(dut, scenes=9, seed=20):
             scene = Scene(rng, dut.part.row)
             if scene.sent[0] > 60:
                 scene = Scene(np.random.default_rng(number), dut.part.row)
+            while number == _EVEN and scene.weight < 2:
+                scene = Scene(rng, dut.part.row)
             if _EVENTS[number % len(_EVENTS)] is _stall:    # many entries, and no grid
                 scene.sent = scene.size = 25, 10
                 scene.corner, scene.weight, scene.binning = (0, 0), 0, 0
@@ -227,8 +230,12 @@ async def _reset(ctx, clocks):
     """Resets of the core, of the memory, or of both, at any time."""
     rng, dut = clocks.rng, clocks.dut
     clocks.wait = .9
-    for k in range(6):
+    for k in range(8):
         for _ in range(int(rng.integers(40, 600))):
+            await clocks.clock(ctx)
+        for _ in range(500 * (k % 2)):      # the memory drops a burst that has begun
+            if clocks.memory.left:
+                break
             await clocks.clock(ctx)
         clocks.memory_rst = k % 2
         await clocks.falling(ctx)
@@ -283,7 +290,7 @@ async def _change(ctx, clocks):
         await clocks.falling(ctx)
         ctx.set(dut.enable, 1)
     # A frame has the gains before or those after, never some of both.
-    clocks.scene.gains = [int(gain) for gain in rng.integers(0, 1024, 3)]
+    clocks.scene.gains = [int(gain) * 2 for gain in rng.integers(0, 512, 3)]
     clocks.sent += [clocks.scene.golden(frame) for frame in clocks.frames]
     ctx.set(dut.balance, {"gains": clocks.scene.gains, "phase": clocks.scene.phase})
     clocks.send(2)

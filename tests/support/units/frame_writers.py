@@ -240,9 +240,13 @@ def _words(rng, most):
     """Words of a frame, the bytes that they set, and its bursts."""
     words, content, bursts = [], {}, []
     address = int(rng.integers((_END >> 3) - 4 * most)) << 3
-    for _ in range(int(rng.integers(1, 5))):
-        count = int(rng.integers(1, 3 * most))
+    # Many short rows fill the queue of bursts.
+    rows, longest = (int(rng.integers(1, 5)), 3 * most) if rng.random() < .7 else (24, 4)
+    for _ in range(rows):
+        count = int(rng.integers(1, longest))
         void = rng.random() < .2
+        if void and rng.random() < .5:      # nothing is left for the last burst
+            count = 1 + most * int(rng.integers(longest // most + 1))
         for k in range(count):
             data, enable = int(rng.integers(1 << 63)) << 1 | k & 1, int(rng.integers(256))
             last = k == count - 1
@@ -257,11 +261,11 @@ def _words(rng, most):
     return words, content, bursts
 
 
-def check_burst_writer(dut, frames=50, seed=12):
+def check_burst_writer(dut, frames=100, seed=12):
     """Words in rows of any length, with waits, answers and resets of either side or both.
 
     Without a reset each byte, burst and answer is the right one. After one the bus has whole
-    bursts, and no byte that was not given. ``dut``: :class:`simulations.traces.Alone` with a burst
+    bursts, and no byte that was not given. The words of a frame that come at once are all written. ``dut``: :class:`simulations.traces.Alone` with a burst
     writer of words of 64 bits.
     """
     rng = np.random.default_rng(seed)
@@ -275,26 +279,36 @@ def check_burst_writer(dut, frames=50, seed=12):
             memory.bytes, memory.bursts, memory.failed = {}, [], 0
             memory.rate = float(rng.choice([.02, .1, .5]))
             rows = sum(word["last"] for word in words)
-            done, failed = await _burst_frame(ctx, dut, memory, words, rng, cut, rows)
+            later = _words(rng, most) if cut else ([], {}, [])
+            done, failed = await _burst_frame(ctx, dut, memory, words, rng, cut,
+                                              later[0] if cut else rows)
             if cut is None:
                 assert memory.bytes == content and memory.bursts == bursts, number
                 assert done == rows and failed == memory.failed, number
             else:
-                assert memory.bytes.items() <= content.items(), number
+                assert later[1].items() <= memory.bytes.items() <= (content | later[1]).items()
+                assert done == sum(word["last"] for word in later[0]), number
 
     run_bench(dut, bench)
 
 
-async def _burst_frame(ctx, dut, memory, words, rng, cut, rows):
-    """Give the words, with a reset after ``cut`` clocks; (rows done, bursts failed)."""
+async def _burst_frame(ctx, dut, memory, words, rng, cut, then):
+    """Give the words, with a reset after ``cut`` clocks; (rows done, bursts failed).
+
+    ``then``: rows of the words, or the words of the frame after the reset.
+    """
     wait, gap = float(rng.choice([0, .3, .9])), float(rng.choice([0, .4]))
     waiting, offered, done, failed, quiet, clock = list(words), False, 0, 0, 0, 0
     sides = 1 + int(rng.integers(2)) if cut else 0      # the writer alone, or the memory as well
+    rows = 0 if cut else then
+    early = int(rng.choice([0, 9]))     # words of a burst that are to come when the writer is reset
     while quiet < 12:
         if not offered and waiting and rng.random() >= gap:
             ctx.set(dut.i.payload, waiting[0])
             ctx.set(dut.i.valid, 1)
             offered = True
+        if sides == 1 and clock == cut and memory.left < early and waiting:
+            cut += 1
         reset = cut is not None and cut <= clock < cut + 2
         ctx.set(dut.reset, int(reset))
         memory_rst = sides == 2 and cut - 2 <= clock < cut + 3
@@ -313,9 +327,9 @@ async def _burst_frame(ctx, dut, memory, words, rng, cut, rows):
         elif write:
             memory.take(tuple(beat), waits)
         if reset:
-            waiting = []
+            waiting, rows, ended, done = list(then), sum(word["last"] for word in then), 0, 0
         done, failed, clock = done + ended, failed + fails, clock + 1
         quiet = 0 if waiting or offered or write or memory.due or answered or memory.left or (
-            cut is None and done < rows) else quiet + 1
-        assert clock < 4000, (len(waiting), done, rows)
+            done < rows) or cut is not None and clock <= cut + 3 else quiet + 1
+        assert clock < 8000, (len(waiting), done, rows)
     return done, failed

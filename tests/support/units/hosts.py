@@ -9,7 +9,7 @@ __all__ = ["check_page", "check_write_arbiter"]
 _BEAT = "address", "burstcount", "writedata", "byteenable"
 
 
-def check_page(dut, accesses=700, seed=16):
+def check_page(dut, accesses=1100, seed=16):
     """Reads and writes of all addresses, locked or not, compared with a model of the registers.
 
     ``dut``: :class:`simulations.traces.Alone` with a page of registers.

@@ -57,7 +57,7 @@ def _rows(frame, rng):
     return clocks + [(0, 0, 0, 1234)] * int(rng.integers(1, 4))
 
 
-def check_grid(dut, frames=40, seed=8):
+def check_grid(dut, frames=60, seed=8):
     """Frames of any size in each mode: the result of the golden model.
 
     ``dut``: :class:`simulations.traces.Alone` with a grid stage.
@@ -69,7 +69,7 @@ def check_grid(dut, frames=40, seed=8):
             weight, binning = number % 4, number // 4 % 2
             longest = width if number % 5 == 4 else 24
             size = (int(rng.integers(max(8, longest - 12), longest + 1)),
-                    int(rng.integers(2, 6 if longest == width else 13)))
+                    int(rng.integers(2, 6 if longest == width else 17)))
             values = [0, 4095] if number % 3 == 2 else range(4096)
             frame = rng.choice(values, size[::-1])
             ctx.set(dut.settings, {"weight": weight, "binning": binning})

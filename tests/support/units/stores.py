@@ -76,7 +76,7 @@ def check_frame_store(dut, clocks=7200, seed=13):
                                                  int(rng.integers(1, 9))], p=[.2, .2, .6]))
                 busy_rate = .1
             if clock > 5000:    # whole times of a limit, then the first clocks of each bit's
-                given["limit"], busy_rate = 600 + clock // 650, float(clock % 650 == 100)
+                given["limit"], busy_rate = 613 + clock // 650 * 2, float(clock % 650 == 100)
             if clock > 6600:
                 given["limit"], busy_rate = (1 << clock // 16 % 32) + 3, float(clock % 16 == 0)
             ctx.set(dut.limit, given["limit"])
