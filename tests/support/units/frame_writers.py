@@ -265,8 +265,8 @@ def check_burst_writer(dut, frames=100, seed=12):
     """Words in rows of any length, with waits, answers and resets of either side or both.
 
     Without a reset each byte, burst and answer is the right one. After one the bus has whole
-    bursts, and no byte that was not given. The words of a frame that come at once are all written. ``dut``: :class:`simulations.traces.Alone` with a burst
-    writer of words of 64 bits.
+    bursts, and no byte that was not given. The words of a frame that come at once are all written.
+    ``dut``: :class:`simulations.traces.Alone` with a burst writer of words of 64 bits.
     """
     rng = np.random.default_rng(seed)
     answers, most = dut.part.pending, dut.part.burst
