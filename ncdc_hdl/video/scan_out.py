@@ -27,7 +27,8 @@ class ScanOut(wiring.Component):
     the next picture has been shown. Without a new one the old one is shown again. Words are
     prefetched through a queue from the domain ``sync`` to ``pixel``. If the queue runs dry
     within a picture, its rest is black, and ``underruns`` counts; the next one is right again.
-    Before the first frame the screen is black.
+    Before the first frame the screen is black. A reset of ``sync`` alone must last at least a clock
+    of each domain: the queue misses a shorter one, and gives old words in the next picture.
 
     Timing: a pixel is at ``picture`` 1 clock of ``pixel`` after the beam's counters reach it.
 

@@ -31,12 +31,13 @@ _ROW = 112                  # samples of the longest row of the grid stage
 _FRAMES = 5                 # different ones that the sensor sees
 _QUARTER = 6                # clocks of a quarter of a bit of I2C
 _QUICK = Clocks(extclk_period=4010)     # the sensor's blanking takes less of a run
+_BUFFER = 0x1000            # bytes from buffer to buffer, of which a frame has no more than 0xF00
 _FRESH = 0xA5               # of memory that was not written
 _LOCKED = 1 << 8 + [name for name, _ in EVENTS].index("REFUSED")
 _SENSOR = sensor_named("mt9p031")
 # What the sensor sends, what capture makes of it, clocks, gains of the samples, early start.
 _WAYS = {
-    "window": ((56, 24), Crop(3, 2), Clocks(extclk_period=5500), (300, 256, 411), False),
+    "window": ((64, 24), Crop(11, 2), Clocks(extclk_period=5500), (300, 256, 411), False),
     "grid": ((64, 24), Crop(6, 1, 2), Clocks(extclk_period=3990), (256, 256, 256), True),
     "binning": ((104, 48), Crop(1, 0, 3, 1), Clocks(extclk_period=3010), (256, 200, 999), True),
 }
@@ -81,20 +82,31 @@ def options(verilog, transcripts, clock_limit):
             "quarter": _QUARTER}
 
 
+def buffers():
+    """Registers of buffers that begin between those after a reset, and of the bytes of a raw frame.
+    """
+    stores = system().stores
+    bases = {f"RAW{k}_BASE": _BUFFER * k + 0x200 for k in range(stores.raw)}
+    bases |= {f"CORRECTED{k}_BASE": _BUFFER * (stores.raw + k) - 0x600
+              for k in range(stores.corrected)}
+    return bases | {"RAW_BYTES": _SIZE[0] * _SIZE[1]}
+
+
 def frames(name):
     """The bench of whole frames of a way, both stores."""
     size, corner, clocks, gains, follow = _WAYS[name]
 
     def run(verilog, transcripts):
         with running(system(), *scene(size), corner=corner, clocks=clocks, gains=gains,
-                     registers={"RUN_FOLLOW": int(follow)}, memory="hostile",
+                     registers={"RUN_FOLLOW": int(follow)} | buffers(), memory="hostile",
                      **options(verilog, transcripts, 400_000)) as camera:
             host, live, seen = camera.host, camera.host.live, []
             host.camera.listen("CORRECTED_FRAME")
             while len(seen) < 3:
                 assert live.wait_irq(8 * camera.frame_clocks)
                 assert "CORRECTED_FRAME" in host.camera.events()
-                picture, raw = host.claim(), host.claim(False, reader=1)
+                picture, held = host.claim(), host.get("READER0")
+                raw = host.claim(False, reader=1)
                 np.testing.assert_array_equal(host.picture(picture),
                                               golden(camera.sent(picture.number)))
                 np.testing.assert_array_equal(host.raw(raw), camera.sent(raw.number))
@@ -102,6 +114,10 @@ def frames(name):
                 assert 0 < live.now - picture.time < 4 * camera.frame_clocks
                 assert 0 < host.get("TIME_LOW") - live.now + 40 < 40
                 seen.append(picture)
+                assert host.get("READER0") == held
+                # One more raw frame is held, so that more buffers are in use.
+                other = host.claim(False)
+                np.testing.assert_array_equal(host.raw(other), camera.sent(other.number))
             numbers = [one.number for one in seen]
             assert numbers[0] <= 3 and numbers == sorted(set(numbers))
             for one, other in zip(seen, seen[1:]):
@@ -237,6 +253,11 @@ def registers(verilog, transcripts):
     with running(system(), *scene(_SIZE), **options(verilog, transcripts, 300_000)) as camera:
         host, live = camera.host, camera.host.live
         halt(camera)
+        # The corrector's registers are before those of the camera.
+        [fill] = [one for one in system().corrector.registers.table if one.name == "FILL"]
+        for word in (0x5A96C3, 0xA5693C):
+            live.write(fill.address, word)
+            assert live.read(fill.address) == word
         stored = [one for one in system().table if one.access == "rw"
                   and one.name not in ("CAMERA_ENABLE", "RUN")]
         values = {}
