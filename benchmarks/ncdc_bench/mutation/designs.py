@@ -13,7 +13,7 @@ __all__ = ["Bench", "Design", "PlayedBench", "designs"]
 
 # Each design and its benches lie with the tests, which run the same benches without a mutant.
 _MODULES = ("core", "cache", "front", "nodes", "units", "sums", "system", "camera", "sdram",
-            "csi2", "packetiser", "bridges", "screen")
+            "csi2", "packetiser", "bridges", "screen", "video")
 
 
 @dataclass(frozen=True)
