@@ -180,7 +180,7 @@ private:
     void choose(std::uint64_t limit) {
         // Half of the frames are where the one before was, at another base.
         if (f.groups == 0 || random.bernoulli(128)) choose_area();
-        // A frame of 4096 rows of at most 4208 bytes is below the end of all addresses.
+        // A frame of 4096 rows of at most 4220 bytes is below the end of all addresses.
         f.base = kWord * random.below((far ? (1u << 28) - (1u << 21) : 1u << 26) * (16 / kWord));
         // Half of the buffers end with the frame: no byte is read after those that a tile of 16
         // columns may have beyond a row.
