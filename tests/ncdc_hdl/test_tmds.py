@@ -1,4 +1,4 @@
-"""The TMDS encoder, a decoder and an algorithm, both written from the DVI specification."""
+"""The TMDS encoder, and that what checks it finds a wrong bit."""
 
 import numpy as np
 import pytest

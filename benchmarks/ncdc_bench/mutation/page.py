@@ -39,14 +39,13 @@ def reasoned(report):
 
 
 def _scores(report):
-    argued = sum(len(row.get("argued", ())) for row in report["rows"])
-    rows = [*((row, len(row.get("argued", ()))) for row in report["rows"]),
-            ({"design": "all", "module": "", **report["summary"]}, argued)]
+    every = [one for row in report["rows"] for one in row.get("argued", ())]
+    rows = [*report["rows"], {"design": "all", "module": "", "argued": every, **report["summary"]}]
     return ["| design | module | mutants | killed | equivalent | (argued) | survived | score |",
             "|---|---|---|---|---|---|---|---|",
             *(f"| {row['design']} | {_code(row['module'])} | {row['mutants']} | {row['killed']} | "
-              f"{row['equivalent']} | {argued} | {row['survived']} | {100 * row['score']:.1f} % |"
-              for row, argued in rows)]
+              f"{row['equivalent']} | {len(row.get('argued', ()))} | {row['survived']} | "
+              f"{100 * row['score']:.1f} % |" for row in rows)]
 
 
 def _survivors(report, kind="survivors"):
