@@ -354,7 +354,7 @@ class Corrector(wiring.Component):
             mismatch = self.run.assigned & ((buffers.width != active.DISTORTED_WIDTH)
                                           | (buffers.height != active.DISTORTED_HEIGHT))
         # The fetcher decides after two clocks; the scan needs the result some clocks later.
-        begins = delay(m, begun, 2, "begun", reset_less=False)
+        begins = delay(m, begun, max(2, checks.latency), "begun", reset_less=False)
         with m.If(begun):
             m.d.sync += reject.eq(0)
         with m.Elif(begins):

@@ -55,8 +55,9 @@ class RowGate(wiring.Component):
     """
 
     latency = 2
-    rows_latency = 2
-    """Clocks from a change of ``camera_rows`` to that of its comparison: the count, the limit."""
+    rows_latency = 3
+    """Clocks from a change of ``camera_rows`` to that of its comparison: the count, whether all
+    rows are in memory, the limit."""
 
     def __init__(self, f_bits, lanes=1, interpolation=FAST):
         self.interpolation = interpolation
@@ -75,12 +76,15 @@ class RowGate(wiring.Component):
             m.d.sync += rows.eq(self.camera_rows)
         height, after = self.interpolation.tile_height, self._after(self.interpolation)
         tiles = rows >> (height - 1).bit_length()
+        unlimited = Signal()    # no window has to wait
+        above = Signal(SIZE)    # the limit, unless it is that
         with m.If(self.start):
-            m.d.sync += limit.eq(0)
-        with m.Elif(~self.follow | (rows >= self.height)):
-            m.d.sync += limit.eq(MAX_SIZE)
+            m.d.sync += [unlimited.eq(0), above.eq(0), limit.eq(0)]
         with m.Else():
-            m.d.sync += limit.eq(Mux(tiles <= after // height, 0, tiles * height - after))
+            m.d.sync += [
+                unlimited.eq(~self.follow | (rows >= self.height)),
+                above.eq(Mux(tiles <= after // height, 0, tiles * height - after)),
+                limit.eq(Mux(unlimited, MAX_SIZE, above))]
 
         # C: a group, and its pixels that were too early a clock ago.
         c_valid = Signal()

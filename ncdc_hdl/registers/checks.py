@@ -5,6 +5,7 @@ from amaranth.lib import data, wiring
 from amaranth.lib.wiring import In, Out
 from amaranth.utils import exact_log2
 
+from ncdc_hdl.lib.pipeline import register
 from ncdc_spec.frames import BGR8, BGRX8, MONO8, OUTPUT_FORMATS
 from ncdc_spec.geometry import MAX_SIZE, MIN_SIZE, STRIP_UNIT
 from ncdc_spec.interpolation import FAST
@@ -42,7 +43,8 @@ class Checks(wiring.Component):
         unknown, or loses colours.
     """
 
-    latency = 1
+    latency = 2
+    """Clocks from a set to its faults: each comparison, what they have in common."""
 
     def __init__(self, hardware, max_width, max_height, active):
         self.hardware, self.largest = hardware, (max_width, max_height)
@@ -73,12 +75,13 @@ class Checks(wiring.Component):
             wrong.append(active.CACHE_SPLIT > hardware.cache.max_split)
         if hardware.views:
             wrong += [active.VIEWS == 0, active.VIEWS > hardware.views, self._overlaps(active)]
+        low = Cat(value[:word_bits] for value in aligned)
         m.d.sync += [
-            self.faults.alignment.eq(Cat(value[:word_bits] for value in aligned).any()),
-            self.faults.size.eq(Cat(wrong).any()),
+            self.faults.alignment.eq(register(m, "low", low).any()),
+            self.faults.size.eq(register(m, "wrong", Cat(wrong)).any()),
         ]
         if not hardware.stream:
-            m.d.sync += self.faults.format.eq(self._loses(active))
+            m.d.sync += self.faults.format.eq(register(m, "loses", self._loses(active)))
         return m
 
     @staticmethod

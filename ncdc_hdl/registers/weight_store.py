@@ -6,7 +6,7 @@ from amaranth.lib.wiring import In, Out
 from amaranth.utils import ceil_log2, exact_log2
 
 from ncdc_hdl.lib.memory import block_memory
-from ncdc_hdl.lib.pipeline import delay
+from ncdc_hdl.lib.pipeline import delay, register
 from ncdc_hdl.neural.banks import BANK_WRITES
 from ncdc_spec.registers.register_map import ADDRESS_WORDS_BITS
 
@@ -33,7 +33,7 @@ class WeightStore(wiring.Component):
     get the values of configuration, which are in the set's memory too and never written.
 
     Timing: ``read`` follows ``address`` after 2 clocks while ``held`` is high. A written word is
-    in the bank 2 clocks after ``write``, which follows ``address`` and ``word`` by at least one. A
+    in the set and in the bank 2 clocks after ``write``, which follows ``address`` and ``word`` by at least one. A
     copy takes ``words`` clocks, the reset's ``2 * words``, in all of which ``busy`` is high; it
     waits while ``held`` is high. ``write``, reads and ``take`` must not come while it is under way.
 
@@ -117,16 +117,20 @@ class WeightStore(wiring.Component):
         restored = copied & ~delay(m, configured, _READ, "of_set")  # from those of configuration
         of_host = self.write & self.mine
         target = Signal(range(self.words))          # number of the word that is written
-        m.d.comb += [target.eq(Mux(copied, position, index)), write.addr.eq(target),
-                     write.data.eq(Mux(copied, came, value)),
-                     write.en.eq(of_host | restored)]
-        # The values of configuration go to the active bank first, as no frame runs.
+        m.d.comb += target.eq(Mux(copied, position, index))
+        # The set is written a clock later, with the bank's registers.
         writes = self.writes
+        written = register(m, "written", target)
+        m.d.comb += [write.addr.eq(written), write.data.eq(writes.word),
+                     write.en.eq(register(m, "stored", of_host | restored, reset_less=False))]
+        # The values of configuration go to the active bank first, as no frame runs.
         m.d.sync += [
-            writes.write.eq(of_host | copied), writes.word.eq(write.data),
+            writes.write.eq(of_host | copied), writes.word.eq(Mux(copied, came, value)),
             writes.bank.eq(writes.active ^ ~restored),
-            writes.position.role.eq(target[:2]), writes.position.neuron.eq(target[2:-1]),
-            writes.position.output.eq(target[-1]),
+        ]
+        m.d.comb += [
+            writes.position.role.eq(written[:2]), writes.position.neuron.eq(written[2:-1]),
+            writes.position.output.eq(written[-1]),
         ]
         return m
 

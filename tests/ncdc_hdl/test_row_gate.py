@@ -99,8 +99,8 @@ def test_without_follow_nothing_waits():
 def test_the_counter_may_begin_again_once_the_frame_is_complete():
     groups = requests(np.random.default_rng(3), 40, 1)
     got, clocks, _ = run(groups, 1, rows=lambda clock: HEIGHT if clock == 1 else 0)
-    assert got == groups and clocks == list(
-        range(3 + RowGate.latency, 43 + RowGate.latency))
+    first = 1 + RowGate.rows_latency + RowGate.latency
+    assert got == groups and clocks == list(range(first, first + 40))
 
 
 def test_rows_of_the_frame_before_do_not_count():
