@@ -259,7 +259,10 @@ class Corrector(wiring.Component):
         gate, registers = self.row_gate, self.registers
         # All views of a list are of one raw frame: its rows are counted from the first view on.
         anew = begun & registers.first if self.hardware.views else begun
-        m.d.comb += [gate.start.eq(anew), gate.abort.eq(registers.abort),
+        # A register: the gate's `ready` would go on from the abort. The next frame's first group
+        # comes later than that.
+        aborts = delay(m, registers.abort, 1, "aborts", reset_less=False)
+        m.d.comb += [gate.start.eq(anew), gate.abort.eq(aborts),
                      gate.camera_rows.eq(self.camera_rows), gate.follow.eq(active.FOLLOW),
                      gate.height.eq(active.DISTORTED_HEIGHT)]
 

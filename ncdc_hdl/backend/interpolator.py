@@ -12,7 +12,7 @@ from ncdc_hdl.backend.gradient import GradientPoints
 from ncdc_hdl.backend.layouts import pixel_layout, window_layout
 from ncdc_hdl.lib.credits import Credited, CreditQueue
 from ncdc_hdl.lib.groups import lanes_of
-from ncdc_hdl.lib.pipeline import DelayMemory, delay
+from ncdc_hdl.lib.pipeline import DelayMemory, delay, register
 from ncdc_spec.interpolation import DIRECTIONAL, FAST, GRADIENT
 
 __all__ = ["Interpolator"]
@@ -44,8 +44,8 @@ class Interpolator(wiring.Component):
         (column, row) parity of the red samples; colour of blank pixels, red in the top byte.
         Constant during a frame.
     mono : ``In(1)``
-        Whether the sensor is grey: all three colours are its samples. Constant during a frame; not
-        for the fast interpolation.
+        Whether the sensor is grey: all three colours are its samples. Constant during a frame, and
+        ``lanes`` clocks before it; not for the fast interpolation.
     crest : ``In(2)``
         Strength of the crest, 0 to 2; constant during a frame; for the directional interpolation
         only.
@@ -93,6 +93,7 @@ class Interpolator(wiring.Component):
             Cat(queue.i.first, queue.i.last).eq(
                 delay(m, Cat(self.i.payload.first, self.i.payload.last), self.latency, "flags")),
         ]
+        mono = None if self.interpolation == FAST else self.mono
         for k, (window, pixel, bayer, bilinear) in enumerate(zip(
                 lanes_of(self.i.payload), lanes_of(queue.i), self.decoders, self.bilinears)):
             m.submodules[f"bayer{k}"] = bayer
@@ -105,7 +106,9 @@ class Interpolator(wiring.Component):
                 m.d.comb += [bayer.red_column.eq(~(window.odd_column ^ self.phase[0])),
                              bayer.red_row.eq(~(window.odd_row ^ self.phase[1]))]
             else:
-                m.d.comb += bayer.mono.eq(self.mono)
+                # From lane to lane, so that none of these registers has to reach them all.
+                mono = register(m, f"mono{k}", mono)
+                m.d.comb += bayer.mono.eq(mono)
                 # From the other end, the position is 1 - f.
                 position = {axis: Mux(window.flipped[axis], (1 << self.f_bits) - f, f)
                             for axis, f in position.items()}

@@ -33,9 +33,10 @@ class WeightStore(wiring.Component):
     get the values of configuration, which are in the set's memory too and never written.
 
     Timing: ``read`` follows ``address`` after 2 clocks while ``held`` is high. A written word is
-    in the set and in the bank 2 clocks after ``write``, which follows ``address`` and ``word`` by at least one. A
-    copy takes ``words`` clocks, the reset's ``2 * words``, in all of which ``busy`` is high; it
-    waits while ``held`` is high. ``write``, reads and ``take`` must not come while it is under way.
+    in the set and in the bank 2 clocks after ``write``, which follows ``address`` and ``word`` by
+    at least one. A copy takes ``words`` clocks, the reset's ``2 * words``, in all of which ``busy``
+    is high; it waits while ``held`` is high. ``write``, reads and ``take`` must not come while it
+    is under way.
 
     Parameters
     ----------

@@ -1,7 +1,8 @@
 """Groups of windows as boxes of samples that can be read in one clock."""
 
 from functools import reduce
-from operator import or_
+from itertools import combinations
+from operator import and_, or_
 
 from amaranth import *
 from amaranth.lib import data, stream, wiring
@@ -117,15 +118,22 @@ class Boxes(wiring.Component):
     def _parts(self, m, group, valid, boxes, ready, moves):
         """Several lanes: a tree of boxes with a level per stage, output part by part."""
         # Level 0: the lanes themselves, which always fit. All levels of a group move on together.
+        # Whether two lanes can be in one box is found at level 0 and goes on with their boxes.
         tree = [boxes]
+        near = {(a, b): self._near(boxes[a], boxes[b])
+                for a, b in combinations(range(self.lanes), 2)}
         for level in range(1, ceil_log2(self.lanes) + 1):
+            arriving_near = near
             arriving = [*tree, [self._join(m, left, right)
                                 for left, right in zip(tree[-1][::2], tree[-1][1::2])]]
             stage_valid = Signal(name=f"valid{level}")
             stage_group = Signal.like(group, name=f"group{level}")
             tree = [[Signal.like(box, name=f"box{level}_{k}_{n}") for n, box in enumerate(boxes)]
                     for k, boxes in enumerate(arriving)]
+            near = {(a, b): Signal.like(flags, name=f"near{level}_{a}{b}")
+                    for (a, b), flags in arriving_near.items()}
             with m.If(moves):
+                m.d.sync += [near[lanes].eq(flags) for lanes, flags in arriving_near.items()]
                 m.d.sync += [stage_valid.eq(valid), stage_group.eq(group)]
                 m.d.sync += [new.eq(old) for news, olds in zip(tree, arriving)
                              for new, old in zip(news, olds)]
@@ -143,8 +151,8 @@ class Boxes(wiring.Component):
         o_empty = Signal(init=1)                # complement of `o.valid`
         m.d.comb += [moves.eq(~valid | (free & ends)),
                      ready.eq(empty | ((o_empty | self.o.ready) & ends))]
-        first = _choice(_parts_of(arriving), {0: Const(1)})
-        following = _choice(parts, _ends(chosen))
+        first = _choice(parts, arriving_near, {0: Const(1)})
+        following = _choice(parts, near, _ends(chosen))
         with m.If(moves):
             m.d.sync += empty.eq(~arrives)
         with m.If(ready):
@@ -163,25 +171,26 @@ class Boxes(wiring.Component):
                                               for (level, k), own in chosen.items()))
 
     def _join(self, m, a, b):
-        """The box around two boxes.
-
-        Whether it fits is found from the edges of both, not from those that are chosen: two
-        comparisons in turn would be the longest path of a core with several lanes.
-        """
+        """The box around two boxes."""
         both = Signal()         # both boxes are used
-        box = Signal(data.StructLayout(
-            dict.fromkeys(_EDGES, range(MAX_SIZE)) | {"used": 1, "fits": 1}))
+        box = Signal(data.StructLayout(dict.fromkeys(_EDGES, range(MAX_SIZE)) | {"used": 1}))
         m.d.comb += [both.eq(a.used & b.used), box.used.eq(a.used | b.used)]
         for name, chooses_b in (("x0", b.x0 < a.x0), ("y0", b.y0 < a.y0), ("x1", b.x1 > a.x1),
                                 ("y1", b.y1 > a.y1)):
             m.d.comb += box[name].eq(Mux(Mux(both, chooses_b, b.used), b[name], a[name]))
-        fits = ~both | (self._near(a, b) & self._near(b, a))
-        if "fits" in a.shape().members:
-            fits &= a.fits & b.fits
-        m.d.comb += box.fits.eq(fits)
         return box
 
     def _near(self, a, b):
+        """Two flags that are high if two boxes can be in one, for each of them at its beginning.
+
+        A box fits if this holds for any two of its lanes. It is compared for lanes, and not for
+        the boxes around them: choice and comparison in turn would be the longest path of a core
+        with several lanes.
+        """
+        unused = ~(a.used & b.used)
+        return Cat(unused | self._reaches(a, b), unused | self._reaches(b, a))
+
+    def _reaches(self, a, b):
         """Whether the last sample of ``b`` is not too far after the first one of ``a``.
 
         A box of several rows of tiles is limited by their number, else by its rows.
@@ -207,11 +216,15 @@ def _parts_of(tree):
     return {(level, k): box for level, boxes in enumerate(tree) for k, box in enumerate(boxes)}
 
 
-def _choice(parts, begins):
-    """Which of ``parts`` is the largest one that fits and begins with the lane to begin with:
-    ``begins`` has a flag for each lane that may be that. Halves of a part that fits fit."""
+def _choice(parts, near, begins):
+    """Which of ``parts`` is the largest one that fits and begins with the lane to begin with.
+
+    ``begins`` has a flag for each lane that may be that, ``near`` those of any two lanes that are
+    all high if these can be in one box. Halves of a part that fits fit.
+    """
     def fits(level, k):
-        return parts[level, k].fits if level else Const(1)
+        lanes = range(k << level, k + 1 << level)
+        return reduce(and_, (near[pair].all() for pair in combinations(lanes, 2)), Const(1))
 
     choice = {}
     for level, k in parts:

@@ -7,6 +7,7 @@ from amaranth.utils import ceil_log2, exact_log2
 
 from ncdc_hdl.backend.cache.layouts import row_bits, set_bits, slot_bits
 from ncdc_hdl.lib.memory import block_memory
+from ncdc_hdl.lib.pipeline import register
 from ncdc_spec.cache_options import TILE_WIDTH
 
 __all__ = ["Tiles", "box_layout", "fill_layout", "samples_layout"]
@@ -63,7 +64,9 @@ class Tiles(wiring.Component):
     have rows in that bank: all slots if a tile has M rows, else those whose tile's row has the
     same remainder.
 
-    Timing: ``samples`` follow a box after 4 clocks: box, address, memory, samples.
+    Timing: ``samples`` follow a box after 4 clocks: box, address, memory, samples. A word is in
+    the memory 2 clocks after its ``fill``: no later than a box of it, taken in the clock of the
+    ``fill``, is at the memory.
 
     Parameters
     ----------
@@ -99,13 +102,12 @@ class Tiles(wiring.Component):
 
     def elaborate(self, platform):
         m = Module()
-        fill, box = self.fill, self.box
+        box = self.box
         sets, words = set_bits(self.options), _words(self.banks)
         needs = self.options.interpolation
         # Bits of a tile's row that select the bank; the others are in the address.
         in_tile = ceil_log2(needs.tile_height)
         bank_bits = ceil_log2(needs.box_rows) - in_tile
-        fill_column, fill_row = fill.slot[:sets + 1], fill.slot[sets + 1:]
         # Of the box that is read: its sets, the tile's row, whether each row of banks is in the
         # next M rows, not in the box's first M rows of the frame.
         first, following = Signal.like(box.set), Signal.like(box.next_set)
@@ -113,7 +115,6 @@ class Tiles(wiring.Component):
         lower = Signal(needs.box_rows)
         begin = Cat(box.row, box.odd_tile.y[:bank_bits])    # row modulo M in which it begins
         odd_rows = self.odd_rows if needs.margin else Const(0)
-        fill_bank = Cat(fill.row ^ odd_rows, fill_row[:bank_bits])
         # Of each row modulo M, whether the box begins after it.
         passed = [*(begin > row for row in range(needs.box_rows - 1)), Const(0)]
         with m.If(self.load):
@@ -126,6 +127,7 @@ class Tiles(wiring.Component):
         samples = Signal.like(self.samples, name="read_samples", reset_less=True)
         m.d.comb += self.samples.eq(samples)
         width, across = 8 * self.banks.word_bytes, self.banks.across
+        fill_address, fill_words, enables = self._fill(m, bank_bits, odd_rows)
         for column in range(across):
             word, in_next_tile, odd_x = self._column(m, column)
             for row in range(needs.box_rows):
@@ -135,11 +137,8 @@ class Tiles(wiring.Component):
                     width, (self.options.tiles >> bank_bits) * words,
                     in_luts=self.lut_tiles and column >= across // 2)
                 write, read = memory.write_port(), memory.read_port()
-                m.d.comb += [
-                    write.addr.eq(Cat(fill.word, fill_column, fill_row[bank_bits:])),
-                    write.data.eq(fill.data[column]),
-                    write.en.eq(fill.enable[column] & (fill_bank == row)),
-                ]
+                m.d.comb += [write.addr.eq(fill_address), write.data.eq(fill_words[column]),
+                             write.en.eq(enables[column, row])]
                 address = Signal(len(read.addr), reset_less=True, name=f"address{row}{column}")
                 # A set has bits of the column, where the mask has ones, and bits of the row.
                 chosen = Signal(sets, name=f"set{row}{column}")
@@ -154,6 +153,23 @@ class Tiles(wiring.Component):
                                Cat(word, chosen, odd_x)),
                     Value.cast(samples[row]).word_select(column, width).eq(read.data)]
         return m
+
+    def _fill(self, m, bank_bits, odd_rows):
+        """Address and words, by column, of what is written; by column and row whether it is.
+
+        All are registers, half-way from the memory's port to the banks, which may be far apart.
+        """
+        fill, sets = self.fill, set_bits(self.options)
+        column_of_tile, row_of_tile = fill.slot[:sets + 1], fill.slot[sets + 1:]
+        bank = Cat(fill.row ^ odd_rows, row_of_tile[:bank_bits])
+        address = register(m, "fill_address",
+                           Cat(fill.word, column_of_tile, row_of_tile[bank_bits:]))
+        columns = range(self.banks.across)
+        words = [register(m, f"fill_word{column}", fill.data[column]) for column in columns]
+        enables = {(column, row): register(
+            m, f"enable{row}{column}", fill.enable[column] & (bank == row), reset_less=False)
+            for column in columns for row in range(self.options.interpolation.box_rows)}
+        return address, words, enables
 
     def _column(self, m, column):
         """Of the box that is read, for the banks of a column: their word's number, among those of
