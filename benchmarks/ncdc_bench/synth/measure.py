@@ -4,6 +4,7 @@ import inspect
 import json
 from statistics import median
 
+from ncdc.toolchain import floorplan
 from ncdc.toolchain.ecp5_netlist import (
     adder_inputs,
     cells,
@@ -22,6 +23,7 @@ from ncdc.toolchain.flows import (
     module_tree,
     paired,
     plain_netlist,
+    planned,
     tool_versions,
 )
 from ncdc_bench.synth import breakdown
@@ -153,12 +155,16 @@ def _routed(verilog, progress, seed, speed, plain=False):
     """Figures of the ECP5 flow for one seed of module ``block``, cached."""
     flow = _FLOWS["ecp5"]
     parts = [verilog, inspect.getsource(flow), str(seed), str(speed),
+             inspect.getsource(floorplan),
              *([] if plain else map(inspect.getsource, _ABSORB_PARTS))]
 
     def make_netlist(verilog, top, *, progress):
         netlist = _once("synth-netlist", [verilog, top, inspect.getsource(plain_netlist)],
                         lambda: plain_netlist(verilog, top, progress=progress))
-        return netlist if plain else absorbed(netlist, top)
+        netlist = netlist if plain else absorbed(netlist, top)
+        progress("ECP5: floorplan")
+        return _once("synth-plan", [netlist, top, inspect.getsource(floorplan)],
+                     lambda: planned(netlist, top))
     return _once("synth-ecp5", parts, lambda: flow(
         verilog, "block", progress=progress, seeds=(seed,), speed=speed,
         make_netlist=make_netlist))

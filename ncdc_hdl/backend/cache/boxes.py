@@ -89,7 +89,8 @@ class Boxes(wiring.Component):
     def _single(self, m, ready, moves):
         """What of the group goes on, whether there is one, and the box of each of its lanes."""
         needs = self.interpolation
-        layout = data.StructLayout(dict.fromkeys(_EDGES, range(MAX_SIZE)) | {"used": 1})
+        layout = data.StructLayout(dict.fromkeys(_EDGES, range(MAX_SIZE)) | {"used": 1} | (
+            {"end_x": range(2 * MAX_SIZE), "end_y": range(2 * MAX_SIZE)} if self.lanes > 1 else {}))
         boxes = [Signal(layout) for _ in range(self.lanes)]
         for lane, box in zip(lanes_of(self.i.p), boxes):
             m.d.comb += box.used.eq(~lane.blank)
@@ -100,6 +101,9 @@ class Boxes(wiring.Component):
                     low = low + Mux(edge.after, 0, edge.missing)
                     high = high - Mux(edge.after, edge.missing, 0)
                 m.d.comb += [box[f"{axis}0"].eq(low), box[f"{axis}1"].eq(high)]
+                if self.lanes > 1:
+                    bits, length = self._longest(axis)
+                    m.d.comb += box[f"end_{axis}"].eq(low + (length << bits))
         arrives = Signal(self.o.p.group.shape())        # of the group, what goes on with its box
         m.d.comb += arrives.eq(self.i.p if self.lanes == 1 else Cat(self.i.p.first, self.i.p.last))
         if not needs.margin:
@@ -191,19 +195,23 @@ class Boxes(wiring.Component):
         return Cat(unused | self._reaches(a, b), unused | self._reaches(b, a))
 
     def _reaches(self, a, b):
-        """Whether the last sample of ``b`` is not too far after the first one of ``a``.
+        """Whether the last sample of ``b`` is not too far after the first one of ``a``."""
+        (x_bits, _), (y_bits, _) = self._longest("x"), self._longest("y")
+        return (b.x1 >> x_bits < a.end_x >> x_bits) & (b.y1 >> y_bits < a.end_y >> y_bits)
 
-        A box of several rows of tiles is limited by their number, else by its rows.
+    def _longest(self, axis):
+        """log2 of the samples of a unit along an axis, and the units that a box has at most.
+
+        Units are words, and rows of tiles; rows if a box is limited by these.
         """
         needs = self.interpolation
-        words, samples = needs.box_words(self.lanes)
+        if axis == "x":
+            words, samples = needs.box_words(self.lanes)
+            return exact_log2(samples), words
         height, rows = needs.tile_height, needs.tile_rows
-        low, limit = 0, needs.box_rows
-        if rows * height <= limit:
-            low, limit = exact_log2(height), rows
-        left = exact_log2(samples)
-        return ((b.x1[left:] - a.x0[left:] < words)
-                & (b.y1[low:] - a.y0[low:] < limit))
+        if rows * height <= needs.box_rows:
+            return exact_log2(height), rows
+        return 0, needs.box_rows
 
 
 def _any(values):

@@ -16,6 +16,7 @@ from ncdc_hdl.backend.layouts import request_layout, window_layout
 from ncdc_hdl.frontend.layouts import SIZE
 from ncdc_hdl.lib.credits import Credited
 from ncdc_hdl.lib.gains import BALANCE, NO_BALANCE
+from ncdc_hdl.lib.pipeline import register
 from ncdc_hdl.lib.relay import Relay
 from ncdc_spec.cache_options import CacheOptions
 
@@ -60,7 +61,8 @@ class Cache(wiring.Component):
     split : ``In``
         log2 Kx of the index rule, constant during a frame.
     phase : ``In(2)``
-        (column, row) parity of the red samples, constant during a frame, for windows with a margin.
+        (column, row) parity of the red samples, constant during a frame and ``lanes`` + 1 clocks
+        before it, for windows with a margin.
     memory_rst : ``In(1)``
         As in :class:`ncdc_hdl.avalon.read_commands.ReadCommands`.
     i : ``In(stream.Signature(request_layout(f_bits, lanes, options.interpolation)))``
@@ -153,6 +155,6 @@ class Cache(wiring.Component):
                          *lanes_set_to(retire.group, group.p)]
         if self.options.interpolation.margin:
             # So the windows' even columns and even rows meet in green samples.
-            odd_rows = ~self.phase.xor()
+            odd_rows = register(m, "odd_rows", ~self.phase.xor())
             m.d.comb += [tiles.odd_rows.eq(odd_rows), retire.odd_rows.eq(odd_rows)]
         return m

@@ -209,6 +209,7 @@ class Retire(wiring.Component):
         # A group that took several look-ups is gathered in the output: it leaves with the last.
         m.d.sync += [self.o.valid.eq(w_valid & (w.end if several else 1)),
                      o.first.eq(w.first), o.last.eq(w.last)]
+        odd_rows = self.odd_rows if self.options.interpolation.margin else None
         for k, out in enumerate(lanes_of(o)):
             # Known a clock early: each one moves a few hundred flip-flops.
             take = register(m, f"take{k}", before[0] & before[1].mask[k],
@@ -220,17 +221,20 @@ class Retire(wiring.Component):
                 *(getattr(align, edge).eq(ahead.lane[k][edge])
                   for edge in edges(self.options.interpolation)),
             ]
+            if self.options.interpolation.margin:
+                # From lane to lane, so that none of these registers has to reach them all.
+                odd_rows = register(m, f"odd_rows{k}", odd_rows)
             with m.If(take):
                 m.d.sync += [
                     out.fx.eq(w.lane[k].fx), out.fy.eq(w.lane[k].fy),
                     out.blank.eq(w.lane[k].blank)]
                 if self.options.interpolation.margin:
                     m.d.sync += [out.flipped.x.eq(w.lane[k].x),
-                                 out.flipped.y.eq(w.lane[k].y[0] ^ self.odd_rows)]
+                                 out.flipped.y.eq(w.lane[k].y[0] ^ odd_rows)]
                 else:
                     m.d.sync += [out.odd_column.eq(w.lane[k].x), out.odd_row.eq(w.lane[k].y)]
             if self.options.interpolation.margin:
-                m.d.comb += align.odd_rows.eq(self.odd_rows)
+                m.d.comb += align.odd_rows.eq(odd_rows)
 
     @staticmethod
     def _enough(balance):
