@@ -1,8 +1,8 @@
 """Sites for the block RAMs and multipliers of an ECP5, by what they are connected to.
 
-nextpnr moves these blocks to their sites after it has placed all else, and then places all else
-again. In a design with many of them wires get much longer by that. Here the blocks move to their
-sites step by step, and the logic with them. nextpnr then places only the logic.
+nextpnr moves these blocks to their sites after the placement of all else, which then begins anew.
+In a design with many of them wires get much longer by that. Here the blocks move to their sites
+step by step, and the logic with them. What is left for nextpnr is the placement of the logic.
 """
 
 import json
@@ -31,7 +31,7 @@ _LEAF = 24              # cells that are spread along each axis alone
 
 
 def sites_of(size, call):
-    """Sites of an ECP5's blocks, found by nextpnr: it places a netlist of nothing but blocks.
+    """Sites of an ECP5's blocks: those in nextpnr's placement of a netlist of nothing but blocks.
 
     Parameters
     ----------
@@ -45,11 +45,11 @@ def sites_of(size, call):
     dict of dict
         By the kind of block: (column, row) by the site's name.
     """
-    def place(folder):
+    def ask(folder):
         (folder / "blocks.json").write_text(json.dumps(_all_blocks(size)))
         call(folder, f"--{size}k", "--json", "blocks.json", "--no-route", "--quiet",
              "--out-of-context", "--timing-allow-fail", "--write", "placed.json")
-    folder = built(key_of("sites", size), place)
+    folder = built(key_of("sites", size), ask)
     (module,) = json.loads((folder / "placed.json").read_text())["modules"].values()
     sites = {kind: {} for kind in BLOCKS}
     for cell in module["cells"].values():

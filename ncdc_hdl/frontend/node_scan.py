@@ -149,9 +149,11 @@ class NodeScan(wiring.Component):
         may = register(m, "may", self.space, reset_less=False)
         if self.rows:
             may = may & (self.top | self.ready)
-        m.d.comb += [self.issue.eq(active & may & (self.turn == 0)),
-                     advance.eq(self.turn == self.interval - 1)]
-        with m.If(self.issue | (self.turn != 0)):
+        goes_on = self.issue | (self.turn != 0)
+        m.d.comb += self.issue.eq(active & may & (self.turn == 0))
+        # The last turn, known a clock ahead.
+        m.d.sync += advance.eq(goes_on & (self.turn == self.interval - 2))
+        with m.If(goes_on):
             m.d.sync += self.turn.eq(Mux(advance, 0, self.turn + 1))
 
     def _rows(self, m, begin, advance, row_ends, strip_ends, saves):
