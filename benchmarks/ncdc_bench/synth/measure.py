@@ -13,6 +13,7 @@ from ncdc.toolchain.ecp5_netlist import (
     output_registers,
 )
 from ncdc.toolchain.flows import (
+    OPTIONS,
     SCRIPTS,
     SPEED,
     Registered,
@@ -27,7 +28,7 @@ from ncdc.toolchain.flows import (
     tool_versions,
 )
 from ncdc_bench.synth import breakdown
-from ncdc_bench.synth.blocks import ONLY, SPEEDS, component, traits
+from ncdc_bench.synth.blocks import ONLY, PLACED, SPEEDS, component, traits
 from ncdc_hdl.export.verilog import module_verilog
 from ncdc_spec.builds import built, key_of
 
@@ -94,10 +95,10 @@ def block_rows(block, variant, targets=TARGETS, seeds=1, progress=lambda step: N
         part = component(block, variant, bits)
         if target == "ecp5":
             verilog = module_verilog(Registered(part, outputs=True), "block")
-            speed = SPEEDS.get(block, SPEED)
-            runs = [_routed(verilog, progress, seed, speed) for seed in range(1, seeds + 1)]
+            how = SPEEDS.get(block, SPEED), PLACED.get(variant, OPTIONS)
+            runs = [_routed(verilog, progress, seed, *how) for seed in range(1, seeds + 1)]
             clocks = [run["fmax_mhz"] for run in runs]
-            plain_clocks = [_routed(verilog, progress, seed, speed, plain=True)["fmax_mhz"]
+            plain_clocks = [_routed(verilog, progress, seed, *how, plain=True)["fmax_mhz"]
                             for seed in range(1, seeds + 1) if plain]
             figures = runs[0] | {
                 "fmax_mhz": round(median(clocks), 1), "fmax_seeds_mhz": clocks,
@@ -151,10 +152,10 @@ def cyclone(target, verilog, progress):
                  lambda: flow(verilog, "block", progress=progress))
 
 
-def _routed(verilog, progress, seed, speed, plain=False):
+def _routed(verilog, progress, seed, speed, options, plain=False):
     """Figures of the ECP5 flow for one seed of module ``block``, cached."""
     flow = _FLOWS["ecp5"]
-    parts = [verilog, inspect.getsource(flow), str(seed), str(speed),
+    parts = [verilog, inspect.getsource(flow), str(seed), str(speed), *options,
              inspect.getsource(floorplan),
              *([] if plain else map(inspect.getsource, _ABSORB_PARTS))]
 
@@ -166,7 +167,7 @@ def _routed(verilog, progress, seed, speed, plain=False):
         return _once("synth-plan", [netlist, top, inspect.getsource(floorplan)],
                      lambda: planned(netlist, top))
     return _once("synth-ecp5", parts, lambda: flow(
-        verilog, "block", progress=progress, seeds=(seed,), speed=speed,
+        verilog, "block", progress=progress, seeds=(seed,), speed=speed, options=options,
         make_netlist=make_netlist))
 
 
