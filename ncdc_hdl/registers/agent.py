@@ -164,7 +164,7 @@ class Registers(wiring.Component):
         altered = Signal()                          # the lens may not be the one of DIGEST
         take = Signal()                             # the committed set is taken over in this clock
         stored, store_written, list_rejected = self._memories(
-            m, (address, word, under_way, write[1]), take, status["COMMITTED"], copying)
+            m, (address, word, under_way, write), take, status["COMMITTED"], copying)
         meant = {r.name: register(m, f"{r.name.lower()}_meant", address == r.address)
                  for r in self.rows}
         self._read(m, address, meant, stored, {
@@ -239,7 +239,7 @@ class Registers(wiring.Component):
         return steps[1:]
 
     def _memories(self, m, access, take, committed, copying):
-        """Join the words in memories to an ``access`` of the bus.
+        """Join the words in memories to an ``access`` of the bus, with all its clocks of a write.
 
         Returns their read data, whether a weight is written, and whether a write to the list of
         views is ignored.
@@ -247,9 +247,9 @@ class Registers(wiring.Component):
         address, word, under_way, write = access
         stored, written, ignored = Const(0, signed(32)), Const(0), Const(0)
         if self.store:
-            stored, written = self._store(m, write, committed)
+            stored, written = self._store(m, write[2], committed)
         if self.entries:
-            stored, ignored = self._entries(m, write, committed, stored)
+            stored, ignored = self._entries(m, write[1], committed, stored)
         stores = [store for store in (self.store, self.entries) if store]
         for store in stores:
             m.d.comb += [store.address.eq(address), store.word.eq(word), store.held.eq(under_way),

@@ -34,7 +34,7 @@ class WeightStore(wiring.Component):
 
     Timing: ``read`` follows ``address`` after 2 clocks while ``held`` is high. A written word is
     in the set and in the bank 2 clocks after ``write``, which follows ``address`` and ``word`` by
-    at least one. A copy takes ``words`` clocks, the reset's ``2 * words``, in all of which ``busy``
+    at least two. A copy takes ``words`` clocks, the reset's ``2 * words``, in all of which ``busy``
     is high; it waits while ``held`` is high. ``write``, reads and ``take`` must not come while it
     is under way.
 
@@ -58,7 +58,7 @@ class WeightStore(wiring.Component):
     write : ``In(1)``
         ``word`` is written to ``address`` if that is ``mine``.
     mine : ``Out(1)``
-        ``address`` is that of a row, a clock later.
+        ``address`` is that of a row, two clocks later.
     read : ``Out(signed(32))``
         Content of the set there; zero if the address is not ``mine``.
     take : ``In(1)``
@@ -136,13 +136,15 @@ class WeightStore(wiring.Component):
         return m
 
     def _decode(self, m):
-        """Set ``mine``; returns the word that is accessed, extended by the sign of its row, both a
-        clock later."""
-        neuron = self.address[2:7]
+        """Set ``mine``; returns the word that is accessed, extended by the sign of its row, both
+        two clocks later."""
+        # Its own copy: the address goes to all registers, which are far apart.
+        address = register(m, "own_address", self.address)
+        neuron = address[2:7]
         kinds = {r.address & ~_NEURON: r.shape for r in self.rows}
         known = Signal()                            # the address is that of a row
         value = Signal(signed(32), reset_less=True)
-        with m.Switch(self.address & ~_NEURON):
+        with m.Switch(address & ~_NEURON):
             for kind, shape in kinds.items():
                 with m.Case(kind):
                     m.d.comb += known.eq(1)
