@@ -94,15 +94,9 @@ def block_rows(block, variant, targets=TARGETS, seeds=1, progress=lambda step: N
         bits = _MULTIPLIER_BITS[target]
         part = component(block, variant, bits)
         if target == "ecp5":
-            verilog = module_verilog(Registered(part, outputs=True), "block")
-            how = SPEEDS.get(block, SPEED), PLACED.get(variant, OPTIONS)
-            runs = [_routed(verilog, progress, seed, *how) for seed in range(1, seeds + 1)]
-            clocks = [run["fmax_mhz"] for run in runs]
-            plain_clocks = [_routed(verilog, progress, seed, *how, plain=True)["fmax_mhz"]
-                            for seed in range(1, seeds + 1) if plain]
-            figures = runs[0] | {
-                "fmax_mhz": round(median(clocks), 1), "fmax_seeds_mhz": clocks,
-                "fmax_plain_mhz": round(median(plain_clocks), 1) if plain else None}
+            figures = _of_seeds(module_verilog(Registered(part, outputs=True), "block"),
+                                (SPEEDS.get(block, SPEED), PLACED.get(variant, OPTIONS)),
+                                range(1, seeds + 1), progress, plain)
         else:
             figures = cyclone(target, module_verilog(part, "block"), progress)
         names = _NAMES[target]
@@ -150,6 +144,19 @@ def cyclone(target, verilog, progress):
     flow = _FLOWS[target]
     return _once(f"synth-{target}", [verilog, inspect.getsource(flow), *SCRIPTS[target]],
                  lambda: flow(verilog, "block", progress=progress))
+
+
+def _of_seeds(verilog, how, seeds, progress, plain):
+    """Figures of the ECP5 flow for several ``seeds``, whose median clock counts.
+
+    ``how``: speed grade and options, of :func:`_routed`.
+    """
+    runs = [_routed(verilog, progress, seed, *how) for seed in seeds]
+    clocks = [run["fmax_mhz"] for run in runs]
+    plain_clocks = [_routed(verilog, progress, seed, *how, plain=True)["fmax_mhz"]
+                    for seed in seeds if plain]
+    return runs[0] | {"fmax_mhz": round(median(clocks), 1), "fmax_seeds_mhz": clocks,
+                      "fmax_plain_mhz": round(median(plain_clocks), 1) if plain else None}
 
 
 def _routed(verilog, progress, seed, speed, options, plain=False):
