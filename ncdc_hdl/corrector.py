@@ -244,7 +244,8 @@ class Corrector(wiring.Component):
             self._store(m, active, begun, reject)
         else:
             self._stream(m, active, pixels)
-            m.d.comb += registers.ended.eq(pixels.valid & pixels.ready & pixels.p.last)
+            # A register: the end of a frame reaches many registers, and the sink's `ready` is late.
+            m.d.sync += registers.ended.eq(pixels.valid & pixels.ready & pixels.p.last)
         failed = self._axi(m, active, pixels) if self.hardware.axi else Const(0)
         running = self._counters(m, begun, pixels)
         dropped = Signal()              # the memory was in reset a clock ago

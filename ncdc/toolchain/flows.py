@@ -22,7 +22,6 @@ from ncdc.toolchain.ecp5_netlist.adder_inputs import absorb_inversions
 from ncdc.toolchain.ecp5_netlist.joined_tables import absorb_tables
 from ncdc.toolchain.ecp5_netlist.multiplier_registers import absorb_multiplier_registers
 from ncdc.toolchain.ecp5_netlist.output_registers import absorb_output_registers
-from ncdc.toolchain.floorplan import add_sites, sites_of
 from ncdc_spec.errors import InputError
 from ncdc_spec.needs import pip_line
 
@@ -295,6 +294,7 @@ def absorbed(netlist, top):
 
 def planned(netlist, top, size=_SIZE):
     """A netlist, JSON text, whose block RAMs and multipliers have sites on an ECP5 of ``size``."""
+    from ncdc.toolchain.floorplan import add_sites, sites_of  # SciPy, which a board does without
     netlist = json.loads(netlist)
     add_sites(netlist, top, sites_of(size, lambda *arguments: call_tool(_NEXTPNR, *arguments)))
     return json.dumps(netlist)

@@ -1,5 +1,8 @@
 """The host's side of weights in memories: its set, and the copies of that set."""
 
+from functools import reduce
+from operator import or_
+
 from amaranth import *
 from amaranth.lib import wiring
 from amaranth.lib.wiring import In, Out
@@ -138,16 +141,15 @@ class WeightStore(wiring.Component):
     def _decode(self, m):
         """Set ``mine``; returns the word that is accessed, extended by the sign of its row, both
         two clocks later."""
-        # Its own copy: the address goes to all registers, which are far apart.
-        address = register(m, "own_address", self.address)
-        neuron = address[2:7]
         kinds = {r.address & ~_NEURON: r.shape for r in self.rows}
-        known = Signal()                            # the address is that of a row
+        # Of each kind of row whether the address is that of one: nothing but these go on, as the
+        # address is a register near the bus.
+        hits = {kind: register(m, f"hit{kind:x}", (self.address & ~_NEURON) == kind)
+                for kind in kinds}
+        exists = register(m, "exists", self.address[2:7] < len(self.rows) // len(kinds))
         value = Signal(signed(32), reset_less=True)
-        with m.Switch(address & ~_NEURON):
-            for kind, shape in kinds.items():
-                with m.Case(kind):
-                    m.d.comb += known.eq(1)
-                    m.d.sync += value.eq(self.word[:shape.width].as_signed())
-        m.d.sync += self.mine.eq(known & (neuron < len(self.rows) // len(kinds)))
+        extended = (Mux(hits[kind], self.word[:shape.width].as_signed(), 0)
+                    for kind, shape in kinds.items())
+        m.d.sync += [value.eq(reduce(or_, extended)),
+                     self.mine.eq(Cat(hits.values()).any() & exists)]
         return value

@@ -114,7 +114,7 @@ class Boxes(wiring.Component):
         clipped = [Signal(layout, name=f"clipped_box{k}") for k in range(self.lanes)]
         # Several lanes: with the stages after it. A single one: as soon as it is empty, too.
         m.d.comb += self.i.ready.eq(ready if self.lanes > 1 else ~valid | ready)
-        with m.If(moves):
+        with m.If(ready if self.lanes > 1 else moves):
             m.d.sync += [valid.eq(self.i.valid), group.eq(arrives)]
             m.d.sync += [new.eq(old) for new, old in zip(clipped, boxes)]
         return group, valid, clipped
@@ -150,21 +150,23 @@ class Boxes(wiring.Component):
         ends = Signal()                         # it is the group's last one
         free = ~self.o.valid | self.o.ready
         # Synthesis does not merge a flag with its complement: `ready`, which goes on to earlier
-        # stages, is `moves`, but does not begin where a thousand flip-flops are moved.
+        # stages, is `moves`, but does not begin where many flip-flops are moved.
         empty = Signal(init=1)                  # complement of `valid`
         o_empty = Signal(init=1)                # complement of `o.valid`
+        more = Signal(init=1)                   # complement of `ends`
         m.d.comb += [moves.eq(~valid | (free & ends)),
-                     ready.eq(empty | ((o_empty | self.o.ready) & ends))]
+                     ready.eq(empty | ((o_empty | self.o.ready) & ~more))]
         first = _choice(parts, arriving_near, {0: Const(1)})
         following = _choice(parts, near, _ends(chosen))
         with m.If(moves):
             m.d.sync += empty.eq(~arrives)
         with m.If(ready):
             m.d.sync += [own.eq(first[part]) for part, own in chosen.items()]
-            m.d.sync += ends.eq(_ends(first)[self.lanes])
+            m.d.sync += [ends.eq(_ends(first)[self.lanes]), more.eq(~_ends(first)[self.lanes])]
         with m.Elif(free):
             m.d.sync += [own.eq(following[part]) for part, own in chosen.items()]
-            m.d.sync += ends.eq(_ends(following)[self.lanes])
+            m.d.sync += [ends.eq(_ends(following)[self.lanes]),
+                         more.eq(~_ends(following)[self.lanes])]
         with m.If(free):
             m.d.sync += [self.o.valid.eq(valid), o_empty.eq(~valid), self.o.p.end.eq(ends),
                          self.o.p.group.eq(group)]

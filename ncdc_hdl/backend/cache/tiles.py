@@ -127,9 +127,10 @@ class Tiles(wiring.Component):
         samples = Signal.like(self.samples, name="read_samples", reset_less=True)
         m.d.comb += self.samples.eq(samples)
         width, across = 8 * self.banks.word_bytes, self.banks.across
-        fill_address, fill_words, enables = self._fill(m, bank_bits, odd_rows)
+        fill_addresses, fill_words, enables = self._fill(m, bank_bits, odd_rows)
         for column in range(across):
             word, in_next_tile, odd_x = self._column(m, column)
+            turned = self._turned(column)
             for row in range(needs.box_rows):
                 bank = f"bank{row}{column}"
                 # A tile is not read before it is complete, nor written before it has been read.
@@ -137,7 +138,8 @@ class Tiles(wiring.Component):
                     width, (self.options.tiles >> bank_bits) * words,
                     in_luts=self.lut_tiles and column >= across // 2)
                 write, read = memory.write_port(), memory.read_port()
-                m.d.comb += [write.addr.eq(fill_address), write.data.eq(fill_words[column]),
+                m.d.comb += [write.addr.eq(fill_addresses[turned]),
+                             write.data.eq(fill_words[column]),
                              write.en.eq(enables[column, row])]
                 address = Signal(len(read.addr), reset_less=True, name=f"address{row}{column}")
                 # A set has bits of the column, where the mask has ones, and bits of the row.
@@ -147,29 +149,37 @@ class Tiles(wiring.Component):
                         Mux(Mux(is_x, in_next_tile, lower[row]), then, now)
                         for is_x, now, then in zip(mask_x, first, following))),
                     read.addr.eq(address)]
+                wanted = Cat(word, chosen, odd_x)
+                if bank_bits < len(odd_y):
+                    wanted = Cat(wanted, odd_y[bank_bits:] ^ lower[row])
                 m.d.sync += [
-                    address.eq(Cat(word, chosen, odd_x, odd_y[bank_bits:] ^ lower[row])
-                               if bank_bits < len(odd_y) else
-                               Cat(word, chosen, odd_x)),
+                    address.eq(~wanted if turned else wanted),
                     Value.cast(samples[row]).word_select(column, width).eq(read.data)]
         return m
 
     def _fill(self, m, bank_bits, odd_rows):
-        """Address and words, by column, of what is written; by column and row whether it is.
+        """Addresses, and words by column, of what is written; by column and row whether it is.
 
         All are registers, half-way from the memory's port to the banks, which may be far apart.
+        The second address is the first one's complement: synthesis would make one register of two
+        that are equal.
         """
         fill, sets = self.fill, set_bits(self.options)
         column_of_tile, row_of_tile = fill.slot[:sets + 1], fill.slot[sets + 1:]
         bank = Cat(fill.row ^ odd_rows, row_of_tile[:bank_bits])
-        address = register(m, "fill_address",
-                           Cat(fill.word, column_of_tile, row_of_tile[bank_bits:]))
+        address = Cat(fill.word, column_of_tile, row_of_tile[bank_bits:])
+        addresses = (register(m, "fill_address", address),
+                     register(m, "fill_address_turned", ~address))
         columns = range(self.banks.across)
         words = [register(m, f"fill_word{column}", fill.data[column]) for column in columns]
         enables = {(column, row): register(
             m, f"enable{row}{column}", fill.enable[column] & (bank == row), reset_less=False)
             for column in columns for row in range(self.options.interpolation.box_rows)}
-        return address, words, enables
+        return addresses, words, enables
+
+    def _turned(self, column):
+        """Whether the banks of a column have the complements of their addresses."""
+        return column >= self.banks.across // 2
 
     def _column(self, m, column):
         """Of the box that is read, for the banks of a column: their word's number, among those of
