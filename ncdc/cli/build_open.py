@@ -57,8 +57,7 @@ def implemented(design, files, sources, steps, *, seeds, synthesize_only=False):
         folder = Path(made)
         try:
             steps("synthesis: Yosys")
-            netlist = synthesise_board(rtlil, name, folder, sources,
-                                       design.board.in_luts)
+            netlist = synthesise_board(rtlil, name, folder, sources)
             nets = clock_nets(netlist, clock_cells(design))
             preferences += clock_preferences(nets, clock_targets(design))
             files[f"{name}.lpf"] = preferences

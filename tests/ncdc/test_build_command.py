@@ -21,7 +21,6 @@ from ncdc.toolchain.bitstream import (
     place_and_route,
     placement_of,
     synthesise_board,
-    used_cells,
 )
 from ncdc_boards.camera_board.budget import check_memory
 from ncdc_boards.camera_board.design import design_of, hardware_for, sensor_for
@@ -171,31 +170,6 @@ def test_the_flow_on_a_small_design(tmp_path):
     bits = pack(tmp_path, 1)
     # Lattice's bitstreams have this word before the first command.
     assert b"\xff\xff\xbd\xb3" in bits and b"LFE5U-85F" in bits[:200]
-
-
-_QUEUES = """
-module top(input clk, input [31:0] i, input [6:0] a, input [6:0] b, input w,
-           output reg [31:0] p, q, output [7:0] r);
-    (* no_rw_check *) reg [31:0] few[63:0];
-    (* no_rw_check *) reg [31:0] many[127:0];
-    reg [7:0] constants[15:0];
-    integer k;
-    initial for (k = 0; k < 16; k = k + 1) constants[k] = k * k;
-    assign r = constants[a[3:0]];
-    always @(posedge clk) begin
-        if (w) begin few[a[5:0]] <= i; many[a] <= ~i; end
-        p <= few[b[5:0]];
-        q <= many[b];
-    end
-endmodule
-"""
-
-
-@pytest.mark.parametrize("words,bits,block_rams", [
-    (0, 0, 2), (63, 32, 2), (64, 31, 2), (64, 32, 1), (128, 32, 0)])
-def test_small_memories_are_made_of_luts_if_a_board_asks(words, bits, block_rams, tmp_path):
-    netlist = synthesise_board("", "top", tmp_path, {"top.v": _QUEUES}, (words, bits))
-    assert used_cells(netlist).get("DP16KD", 0) == block_rams
 
 
 @pytest.mark.regress

@@ -10,17 +10,9 @@ __all__ = ["Ecp5Board"]
 
 @dataclass(frozen=True)
 class Ecp5Board(CameraBoard):
-    """A board whose bitstream ``ncdc build`` makes.
-
-    Parameters
-    ----------
-    in_luts : (int, int)
-        Memories of up to so many words, of up to so many bits each, are made of LUTs: for a board
-        whose block RAM is scarce.
-    """
+    """A board whose bitstream ``ncdc build`` makes."""
 
     tools = "open"
-    in_luts: tuple = (0, 0)
 
     def files(self, design, sources=()):
         """The top and all below it in Yosys's own language and as Verilog, and the constraints

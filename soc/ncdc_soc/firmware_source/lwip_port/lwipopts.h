@@ -24,7 +24,7 @@
 #else
 #define MEM_ALIGNMENT 4
 #endif
-#define MEM_SIZE (20 * 1024)	/* a segment and a half under way to each user */
+#define MEM_SIZE (28 * 1024)	/* three segments under way to each user */
 #define HALF_OPEN 4		/* connections that only one side has begun */
 #define MEMP_NUM_TCP_PCB (TABLE_USERS + HALF_OPEN + 2)	/* users, and one that is rejected */
 #define MEMP_NUM_TCP_SEG 32
