@@ -162,11 +162,12 @@ class Boxes(wiring.Component):
             m.d.sync += empty.eq(~arrives)
         with m.If(ready):
             m.d.sync += [own.eq(first[part]) for part, own in chosen.items()]
-            m.d.sync += [ends.eq(_ends(first)[self.lanes]), more.eq(~_ends(first)[self.lanes])]
+            last = _ends(first)[self.lanes]
+            m.d.sync += [ends.eq(last), more.eq(~last)]
         with m.Elif(free):
             m.d.sync += [own.eq(following[part]) for part, own in chosen.items()]
-            m.d.sync += [ends.eq(_ends(following)[self.lanes]),
-                         more.eq(~_ends(following)[self.lanes])]
+            last = _ends(following)[self.lanes]
+            m.d.sync += [ends.eq(last), more.eq(~last)]
         with m.If(free):
             m.d.sync += [self.o.valid.eq(valid), o_empty.eq(~valid), self.o.p.end.eq(ends),
                          self.o.p.group.eq(group)]

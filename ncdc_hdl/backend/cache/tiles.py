@@ -130,15 +130,15 @@ class Tiles(wiring.Component):
         fill_addresses, fill_words, enables = self._fill(m, bank_bits, odd_rows)
         for column in range(across):
             word, in_next_tile, odd_x = self._column(m, column)
-            turned = self._turned(column)
+            second = column >= across // 2      # this column is in the second half of them
             for row in range(needs.box_rows):
                 bank = f"bank{row}{column}"
                 # A tile is not read before it is complete, nor written before it has been read.
                 m.submodules[bank] = memory = block_memory(
                     width, (self.options.tiles >> bank_bits) * words,
-                    in_luts=self.lut_tiles and column >= across // 2)
+                    in_luts=self.lut_tiles and second)
                 write, read = memory.write_port(), memory.read_port()
-                m.d.comb += [write.addr.eq(fill_addresses[turned]),
+                m.d.comb += [write.addr.eq(fill_addresses[second]),
                              write.data.eq(fill_words[column]),
                              write.en.eq(enables[column, row])]
                 address = Signal(len(read.addr), reset_less=True, name=f"address{row}{column}")
@@ -153,7 +153,7 @@ class Tiles(wiring.Component):
                 if bank_bits < len(odd_y):
                     wanted = Cat(wanted, odd_y[bank_bits:] ^ lower[row])
                 m.d.sync += [
-                    address.eq(~wanted if turned else wanted),
+                    address.eq(~wanted if second else wanted),
                     Value.cast(samples[row]).word_select(column, width).eq(read.data)]
         return m
 
@@ -161,8 +161,8 @@ class Tiles(wiring.Component):
         """Addresses, and words by column, of what is written; by column and row whether it is.
 
         All are registers, half-way from the memory's port to the banks, which may be far apart.
-        The second address is the first one's complement: synthesis would make one register of two
-        that are equal.
+        The second address, for the second half of the columns, is the first one's complement:
+        synthesis would make one register of two that are equal.
         """
         fill, sets = self.fill, set_bits(self.options)
         column_of_tile, row_of_tile = fill.slot[:sets + 1], fill.slot[sets + 1:]
@@ -176,10 +176,6 @@ class Tiles(wiring.Component):
             m, f"enable{row}{column}", fill.enable[column] & (bank == row), reset_less=False)
             for column in columns for row in range(self.options.interpolation.box_rows)}
         return addresses, words, enables
-
-    def _turned(self, column):
-        """Whether the banks of a column have the complements of their addresses."""
-        return column >= self.banks.across // 2
 
     def _column(self, m, column):
         """Of the box that is read, for the banks of a column: their word's number, among those of
