@@ -25,7 +25,7 @@ class Retire(wiring.Component):
     it, as it claimed itself. Tiles claimed by earlier look-ups have arrived before.
 
     A group of several lanes waits in a queue of its own, from before its boxes are made until the
-    last of them is the oldest look-up. So no stage between holds its lanes.
+    last of them reads its samples. So no stage between holds its lanes.
 
     Timing: ``latency`` clocks from the queue's end to ``o``, one look-up per clock. A look-up
     leaves the queue only if its window has space; the stages after it run free.
@@ -68,8 +68,8 @@ class Retire(wiring.Component):
         self.f_bits, self.options = f_bits, options
         self.banks, self.lanes, self.before = banks, lanes, before
         self.position_shape = window_position_layout(f_bits, options, lanes)
-        # Of the oldest look-up, and of those in the stages.
         self.lanes_shape = lanes_layout(f_bits, options, lanes)
+        # Of a look-up whose tiles have arrived.
         self.window_shape = data.StructLayout(
             self.position_shape.members | {"lane": self.lanes_shape})
         self.aligns = [align_for(banks.columns, options.interpolation) for _ in range(lanes)]
@@ -102,7 +102,7 @@ class Retire(wiring.Component):
         space = Signal(init=1)          # there is space for the oldest look-up's window
         enough = Signal()               # all tiles of the oldest look-up have arrived
         oldest_valid = Signal()         # there is an oldest look-up
-        oldest = Signal(self.window_shape, reset_less=True)
+        oldest = Signal(self.position_shape, reset_less=True)
         pop = Signal()                  # the oldest look-up goes on to the stages
         load = Signal()                 # the look-up at the queue's end becomes the oldest
         m.d.comb += [
@@ -115,12 +115,7 @@ class Retire(wiring.Component):
         m.d.sync += space.eq(self.o.space)
         following_valid, following, following_owed = self._queue(m, load)
         with m.If(load):
-            m.d.sync += oldest_valid.eq(following_valid)
-            m.d.sync += [oldest[name].eq(following[name]) for name in self.position_shape.members]
-        if self.lanes > 1:
-            lanes = self._groups(m, load & following_valid & following.end)
-            with m.If(load):
-                m.d.sync += oldest.lane.eq(lanes)
+            m.d.sync += [oldest_valid.eq(following_valid), oldest.eq(following)]
         self._count(m, load & following_valid, following_owed, enough)
         stages = self._stages(m, pop, oldest)
         (b_valid, _), *_ = stages
@@ -155,12 +150,13 @@ class Retire(wiring.Component):
         return queue.r_rdy, following, following_owed
 
     def _groups(self, m, leaves):
-        """Queue the lanes of groups; return those of the one whose look-ups are at their end.
+        """Queue the lanes of groups; return those of the group whose look-up is in B.
 
-        ``leaves``: its last look-up becomes the oldest.
+        ``leaves``: its last look-up is.
         """
+        # In the queue of look-ups, before it, the oldest one and the one in B.
         m.submodules.groups = groups = Fifo(width=self.lanes_shape.size,
-                                            depth=self.options.pending + self.before)
+                                            depth=self.options.pending + self.before + 2)
         m.d.comb += [
             groups.w_en.eq(register(m, "entered", self.enters, reset_less=False)),
             groups.w_data.eq(register(m, "entered_group", Value.cast(self.group))),
@@ -187,17 +183,29 @@ class Retire(wiring.Component):
     def _stages(self, m, pop, oldest):
         """Registers of the stages after the oldest look-up, each (valid, position).
 
-        B: the tile memory has the box's address. M: its banks output their words. S: they are
-        samples. W, and as many more as the alignment has: each window is cut out of them; with the
-        last stage of the alignment it is in the output.
+        B: the tile memory has the box's address, and the group's lanes leave their queue, which so
+        waits for no balance. M: its banks output their words. S: they are samples. W, and as many
+        more as the alignment has: each window is cut out of them; with the last stage of the
+        alignment it is in the output.
         """
         stages, before = [], (pop, oldest)
         cuts = self.aligns[0].latency - 1
         for name in (*"bms", *(f"w{k}" if k else "w" for k in range(cuts))):
-            before = (register(m, f"{name}_valid", before[0], reset_less=False),
-                      register(m, name, before[1]))
-            stages.append(before)
+            valid, position = (register(m, f"{name}_valid", before[0], reset_less=False),
+                               register(m, name, before[1]))
+            stages.append((valid, position))
+            before = stages[-1] if name != "b" else (valid, self._with_lanes(m, valid, position))
         return stages
+
+    def _with_lanes(self, m, valid, position):
+        """The state of the look-up in B, with its lanes."""
+        if self.lanes == 1:
+            return position
+        window = Signal(self.window_shape)
+        lanes = self._groups(m, valid & position.end)
+        m.d.comb += [*(window[name].eq(position[name]) for name in self.position_shape.members),
+                     window.lane.eq(lanes)]
+        return window
 
     def _windows(self, m, ahead, before, end):
         """Cut the windows out of the samples.
