@@ -129,7 +129,7 @@ class Corrector(wiring.Component):
         self.to_gate = Relay(request_layout(f_bits, lanes, needs))
         self.row_gate = RowGate(f_bits, lanes, needs) if hardware.follow else None
         self.fetch = (Cache(f_bits, data_width, self.hardware.cache, lanes, hardware.raw_balance,
-                            hardware.lut_tiles)
+                            hardware.tile_memory)
                       if hardware.cached else Multiport(f_bits, data_width))
         self.interpolator = Interpolator(f_bits, lanes, needs, hardware.colour,
                                          self.fetch.window_latency)

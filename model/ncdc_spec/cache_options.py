@@ -5,8 +5,11 @@ from dataclasses import dataclass
 from ncdc_spec.errors import InputError
 from ncdc_spec.interpolation import FAST, Interpolation
 
-__all__ = ["CacheOptions", "TILE_WIDTH"]
+__all__ = ["CacheOptions", "TILE_MEMORIES", "TILE_WIDTH"]
 
+TILE_MEMORIES = ("blocks", "luts", "shared")
+"""Of a cache's tiles: a block RAM or more for each bank, half of the banks in LUTs, or two banks
+in a block RAM. Two that share it are not read in a clock in which either may be written."""
 TILE_WIDTH = 16                     # samples, a byte each
 _MIN_TILES, _MAX_TILES = 16, 4096
 _MAX_PENDING = 1024

@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass, replace
 
-from ncdc_spec.cache_options import CacheOptions
+from ncdc_spec.cache_options import TILE_MEMORIES, CacheOptions
 from ncdc_spec.errors import InputError
 from ncdc_spec.frames import BGRX8, OUTPUT_FORMATS, check_format, output_format
 from ncdc_spec.geometry import check_strip_width
@@ -84,8 +84,8 @@ class Hardware:
     video : str
         Packets of a stream: "plain", one packet of pixels per frame, or "vip", those of Intel's
         Video and Image Processing Suite.
-    lut_tiles : bool
-        Whether half of the tile cache is made of LUTs instead of block RAM.
+    tile_memory : str
+        Of the tile cache, one of :data:`~ncdc_spec.cache_options.TILE_MEMORIES`.
     fixed_lens : bool
         Whether lens, sizes, format and order of pixels are constants: of the set, only addresses
         and colour have registers.
@@ -121,7 +121,7 @@ class Hardware:
     format: str = BGRX8.name
     bus: str = BUSES[0]
     video: str = VIDEOS[0]
-    lut_tiles: bool = False
+    tile_memory: str = TILE_MEMORIES[0]
     fixed_lens: bool = False
     follow: bool = True
     counters: bool = True
@@ -130,7 +130,7 @@ class Hardware:
         for name, value, choices in (
                 ("the memory's data width", self.data_width, DATA_WIDTHS),
                 ("the output", self.output, OUTPUTS), ("fetch", self.fetcher, FETCHERS),
-                ("hidden", self.hidden, HIDDEN),
+                ("hidden", self.hidden, HIDDEN), ("tile memory", self.tile_memory, TILE_MEMORIES),
                 ("multiplier bits", self.multiplier_bits, MULTIPLIER_BITS),
                 ("pixels per clock", self.lanes, LANES), ("the format", self.format, FORMATS),
                 ("the bus", self.bus, BUSES), ("the video", self.video, VIDEOS)):
@@ -148,8 +148,11 @@ class Hardware:
         if self.lanes > 1 and not self.cached:
             raise InputError(f"pixels per clock is {self.lanes}, the multiport fetcher can have 1 "
                              f"only")
-        if self.lut_tiles and not self.cached:
-            raise InputError("fetch is multiport, tiles in LUTs need cache")
+        if self.tile_memory != TILE_MEMORIES[0] and not self.cached:
+            raise InputError(f"fetch is multiport, tile memory {self.tile_memory} needs cache")
+        if self.tile_memory == "shared" and (self.lanes, self.data_width) != (1, 32):
+            raise InputError(f"tile memory is shared, with {self.lanes} pixels per clock and data "
+                             f"of {self.data_width} bits; it needs 1 pixel and 32 bits")
         if self.raw_balance and not self.cached:
             raise InputError("fetch is multiport, gains of raw samples need cache")
         if self.fixed_lens and self.view:
@@ -344,7 +347,8 @@ class Hardware:
                 "pixels_per_clock": self.lanes, "format": None if self.stream else self.format,
                 "colour": self.colour, "raw_balance": self.raw_balance, "view": self.view,
                 "views": self.views, "view_rows": self.view_rows,
-                "lut_tiles": self.lut_tiles, "fixed_lens": self.fixed_lens, "follow": self.follow,
+                "tile_memory": self.tile_memory if cache else None,
+                "fixed_lens": self.fixed_lens, "follow": self.follow,
                 "counters": self.counters, "bus": self.bus,
                 "video": self.video if self.stream else None}
 
@@ -362,7 +366,8 @@ class Hardware:
                 *(["--view"] if self.view else []),
                 *([f"--views {self.views}"] if self.views else []),
                 *([f"--view-rows {self.view_rows}"] if self.view_rows else []),
-                *(["--lut-tiles"] if self.lut_tiles else []),
+                *([f"--tile-memory {self.tile_memory}"]
+                  if self.tile_memory != TILE_MEMORIES[0] else []),
                 *(["--fixed-lens"] if self.fixed_lens else []),
                 *([] if self.follow else ["--no-follow"]),
                 *([] if self.counters else ["--no-counters"]),

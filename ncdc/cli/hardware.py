@@ -6,6 +6,7 @@ from ncdc.terminal import Progress
 from ncdc_model.planner.lookups import frame_windows
 from ncdc_model.planner.plan import Fixed, choose
 from ncdc_model.planner.traffic import distinct_bytes
+from ncdc_spec.cache_options import TILE_MEMORIES
 from ncdc_spec.frames import check_format, output_format
 from ncdc_spec.hardware import (
     BUSES,
@@ -85,9 +86,10 @@ def add_hardware(parser):
     parser.add_argument("--multiplier-bits", type=int, choices=MULTIPLIER_BITS, metavar="BITS",
                         help="width of the device's multiplier blocks: 27 (default), or 18, for "
                              "which products are cut into parts; same results")
-    parser.add_argument("--lut-tiles", action="store_true",
-                        help="half of the tile cache in LUTs, for a device that is short of block "
-                             "RAM; same results")
+    parser.add_argument("--tile-memory", choices=TILE_MEMORIES, default=TILE_MEMORIES[0],
+                        help="of the tile cache: blocks (default) of RAM, or, for a device that is "
+                             "short of them, luts for half of it, or shared, half as many blocks, "
+                             "a little slower; same results")
     parser.add_argument("--colour", action="store_true",
                         help="with registers for white balance and a tone curve, which change no "
                              "pixel until they are written, and sums of a frame's colours")
@@ -157,7 +159,7 @@ def hardware_of(args, board=None):
                                  or getattr(args, "raw_balance", None) is not None),
                     view=getattr(args, "view", False) or rows != 0, view_rows=rows,
                     views=getattr(args, "views", 0),
-                    lut_tiles=args.lut_tiles, fixed_lens=getattr(args, "fixed_lens", False),
+                    tile_memory=args.tile_memory, fixed_lens=getattr(args, "fixed_lens", False),
                     follow=not getattr(args, "no_follow", False),
                     counters=not getattr(args, "no_counters", False),
                     bus=getattr(args, "bus", BUSES[0]), video=getattr(args, "video", VIDEOS[0]),

@@ -11,7 +11,7 @@ from ncdc.cli import main
 from ncdc_boards.colorlight_i9.clocks import clock_plan
 from ncdc_boards.colorlight_i9.platform import CAMERA_WIRES, ColorlightI9Platform
 from ncdc_spec.errors import InputError
-from ncdc_spec.interpolation import GRADIENT
+from ncdc_spec.interpolation import DIRECTIONAL
 
 litex = pytest.importorskip("litex_boards.platforms.colorlight_i5")
 
@@ -123,6 +123,6 @@ def test_what_does_not_fit_is_rejected(tmp_path, capsys, sizes, options, said):
 
 def test_an_interpolation_without_space_is_rejected(tmp_path, capsys):
     path = tmp_path / "net.toml"
-    barrel_descriptor((64, 24), (64, 24), hidden_neurons=2, interpolation=GRADIENT).save(path)
-    assert "has space for fast: ncdc train --interpolation fast" in rejected(
+    barrel_descriptor((64, 24), (64, 24), hidden_neurons=2, interpolation=DIRECTIONAL).save(path)
+    assert "has space for fast and gradient: ncdc train --interpolation gradient" in rejected(
         capsys, path, "-o", tmp_path / "out")

@@ -22,12 +22,12 @@ from ncdc.toolchain.flows import (
     ecp5,
     synthesise,
 )
-from ncdc_hdl.backend.cache.layouts import Banks
+from ncdc_hdl.backend.cache.layouts import Banks, banks_for
 from ncdc_hdl.backend.cache.tiles import Tiles
 from ncdc_hdl.export.verilog import module_verilog
 from ncdc_hdl.lib.pipeline import DelayMemory
 from ncdc_spec.cache_options import CacheOptions
-from ncdc_spec.interpolation import GRADIENT
+from ncdc_spec.interpolation import FAST, GRADIENT
 
 
 class Square(wiring.Component):
@@ -227,8 +227,27 @@ def test_broken_verilog_shows_the_reason(flow):
 
 
 @pytest.mark.longer
+@pytest.mark.parametrize("needs,banks", [(FAST, 8), (GRADIENT, 32)])
+def test_shared_tile_memory_takes_half_of_the_block_rams(needs, banks):
+    """A cache of 8 kB: banks of 36 bits, or of 18 of which two share a block RAM, its registers in
+    use."""
+    used = []
+    for memory in ("blocks", "shared"):
+        columns = banks_for(32, 1, needs, memory == "shared")
+        tiles = Tiles(CacheOptions.of_bytes(8192, needs), columns, memory)
+        netlist = json.loads(synthesis.absorbed(
+            synthesis.plain_netlist(module_verilog(tiles, "top"), "top"), "top"))
+        cells = netlist["modules"]["top"]["cells"].values()
+        rams = [cell["parameters"] for cell in cells if cell["type"] == "DP16KD"]
+        used.append(len(rams))
+        assert all(ram["REGMODE_A"] == ram["REGMODE_B"] == "OUTREG" for ram in rams)
+        assert sum(cell["type"] == "TRELLIS_FF" for cell in cells) < 400
+    assert used == [banks, banks // 2]
+
+
+@pytest.mark.longer
 def test_half_of_the_tile_memory_can_be_luts():
-    tiles = Tiles(CacheOptions(256, interpolation=GRADIENT), Banks(2, 8), lut_tiles=True)
+    tiles = Tiles(CacheOptions(256, interpolation=GRADIENT), Banks(2, 8), memory="luts")
     netlist = json.loads(synthesis.plain_netlist(module_verilog(tiles, "top"), "top"))
     kinds = Counter(cell["type"] for cell in netlist["modules"]["top"]["cells"].values())
     # Of 16 banks of 64 words of 64 bits, eight in two block RAMs each, eight in cells of 16 x 4.

@@ -49,6 +49,7 @@ def misses(x0, y0, blank, options, split):
 
 CACHES = [(32, SMALL, 1), (64, SMALL, 0), (128, CacheOptions(tiles=64), 2),
           (32, LARGE_WINDOWS, 1), (128, LARGE_WINDOWS, 2)]
+SHARED = [(32, SMALL, 1), (32, LARGE_WINDOWS, 2)]
 PAUSES = [(Pauses(0, 0, 0, (1, 1)), .9), (Pauses(.3, 0, .5, (1, 20)), .7),
           (Pauses(0, .5, .3, (8, 8)), .5), (Pauses(.1, .1, .7, (1, 60)), 0)]
 
@@ -59,7 +60,7 @@ PAUSES = [(Pauses(0, 0, 0, (1, 1)), .9), (Pauses(.3, 0, .5, (1, 20)), .7),
     pytest.param(*cache, *pauses, marks=[pytest.mark.regress] * ((i + j) % 4 > 0)
                  + [pytest.mark.longer] * (i not in (0, 2)))
     for i, cache in enumerate(CACHES) for j, pauses in enumerate(PAUSES)])
-def test_windows_and_misses(data_width, options, split, pauses, near):
+def test_windows_and_misses(data_width, options, split, pauses, near, memory="blocks"):
     # Of windows that are never near each other fewer ask for as many tiles.
     rng = np.random.default_rng(data_width + split)
     count = 250 if near else max(100, 3 * options.tiles)
@@ -68,12 +69,20 @@ def test_windows_and_misses(data_width, options, split, pauses, near):
     raw = rng.integers(0, 256, (HEIGHT, pitch), np.uint8)
     needs = options.interpolation
     found = positions(rng, count, near, needs.core)
-    fetched, (log,) = check_windows(Cache(F, data_width, options), raw, found, rng, pauses,
-                                    margin=4 * pitch, needs=needs, width=WIDTH,
-                                    phase=(split & 1, 0), split=split)
+    cache = Cache(F, data_width, options, tile_memory=memory)
+    fetched, (log,) = check_windows(cache, raw, found, rng, pauses, margin=4 * pitch, needs=needs,
+                                    width=WIDTH, phase=(split & 1, 0), split=split)
     expected = misses(*found, options, split)
     assert near or len(expected) > 2 * options.tiles
     assert fetched == len(expected)
     height = needs.tile_height
     assert log == [(BASE + (height * ty + row) * pitch + 16 * tx, 16 // word)
                    for tx, ty in expected for row in range(height)]
+
+
+@pytest.mark.parametrize("data_width,options,split", SHARED)
+@pytest.mark.parametrize("pauses,near", [
+    pytest.param(*each, marks=[pytest.mark.longer] * (i != 1)) for i, each in enumerate(PAUSES)])
+def test_shared_banks(data_width, options, split, pauses, near):
+    """The same windows and tiles, from half the block RAMs."""
+    test_windows_and_misses(data_width, options, split, pauses, near, "shared")

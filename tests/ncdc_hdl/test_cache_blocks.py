@@ -6,7 +6,7 @@ import pytest
 from fetchers import turned
 from ncdc_hdl.backend.cache.align import align_for
 from ncdc_hdl.backend.cache.boxes import Boxes
-from ncdc_hdl.backend.cache.layouts import Banks
+from ncdc_hdl.backend.cache.layouts import Banks, banks_for
 from ncdc_hdl.backend.cache.tiles import Tiles
 from ncdc_spec.cache_options import CacheOptions
 from ncdc_spec.interpolation import FAST, GRADIENT
@@ -14,9 +14,11 @@ from pipelines import get, put, run_bench
 
 OPTIONS = {each: CacheOptions(tiles=64, pending=8, interpolation=each)
            for each in (FAST, GRADIENT)}
-# Of each interpolation, the banks of its tile memory, and all splits.
-MEMORIES = [(each, Banks(*banks), split) for each, options in OPTIONS.items()
-            for banks in (((2, 4), (2, 8)) if each == FAST else ((2, 8), (4, 4)))
+# Of each interpolation, the kind and the banks of its tile memory, and all splits.
+MEMORIES = [(each, memory, banks, split) for each, options in OPTIONS.items()
+            for memory, banks in (*(("blocks", Banks(*banks)) for banks in (
+                ((2, 4), (2, 8)) if each == FAST else ((2, 8), (4, 4)))),
+                ("shared", banks_for(32, 1, each, shared=True)))
             for split in range(options.max_split + 1)]
 F = 10
 
@@ -92,8 +94,8 @@ def test_groups_become_boxes(needs, lanes, gap, stall):
     assert sizes == {1 << k for k in range(lanes.bit_length())}
 
 
-@pytest.mark.parametrize("needs,banks,split", MEMORIES)
-def test_any_window_in_one_clock(needs, banks, split):
+@pytest.mark.parametrize("needs,memory,banks,split", MEMORIES)
+def test_any_window_in_one_clock(needs, memory, banks, split):
     """A frame that fits the cache as a whole; every position of a window in a block of tiles."""
     rng = np.random.default_rng(split)
     odd = split % 2 if needs.margin else 0      # whether rows are exchanged
@@ -101,7 +103,7 @@ def test_any_window_in_one_clock(needs, banks, split):
     size, rows = needs.window, needs.box_rows
     across, down = 2 << split, kinds * (options.sets >> split)
     frame = rng.integers(0, 256, (height * down, 16 * across), np.uint8)
-    tiles = Tiles(options, banks)
+    tiles = Tiles(options, banks, memory)
 
     def set_of(tx, ty):
         return (ty // kinds) % (options.sets >> split) << split | (tx >> 1) % (1 << split)
@@ -140,7 +142,8 @@ def test_any_window_in_one_clock(needs, banks, split):
     run_bench(tiles, bench)
 
 
-@pytest.mark.parametrize("needs,columns", [(FAST, 8), (FAST, 16), (GRADIENT, 16)])
+@pytest.mark.parametrize("needs,columns", [(FAST, 4), (FAST, 8), (FAST, 16), (GRADIENT, 8),
+                                           (GRADIENT, 16)])
 def test_windows_are_cut_from_the_samples(needs, columns):
     """Every position modulo the samples; of windows with a margin, with every edge now and then."""
     rng = np.random.default_rng(columns)

@@ -50,6 +50,14 @@ class TokenEarly(Retire):
         return balance >= -1
 
 
+class ReadsWhileWritten(Retire):
+    """Reads shared tile memory in any clock."""
+
+    def elaborate(self, platform):
+        self.shared = False
+        return super().elaborate(platform)
+
+
 class TokenNotSpent(Retire):
     """Waits for a token too many."""
 
@@ -229,6 +237,8 @@ PROOFS = {
     "four samples per clock": (lambda: Samples(4), "bmc", 22),
     "fill space": (FillSpace, "prove", 2),
     "tokens": (Tokens, "prove", 2),
+    "tokens, shared tile memory": (
+        lambda: Tokens(retire=partial(Retire, shared=True)), "prove", 2),
     "progress": (Progress, "prove", 11),
     "fill order": (FillOrder, "bmc", 20),
     "slots": (Slots, "bmc", 15),
@@ -329,6 +339,8 @@ PLANTED = {
     "fills' queues too small": (lambda: planted(FillSpace(128, 3), entries_missing=1), 20,
                                 "no_overflow"),
     "slot too early": (lambda: FillOrder(kind=SlotEarly), 24, "slot"),
+    "a read while words are written": (
+        lambda: Tokens(retire=partial(ReadsWhileWritten, shared=True)), 20, "read_or_written"),
 }
 
 LONG_PLANTED = {

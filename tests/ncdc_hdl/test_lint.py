@@ -19,7 +19,7 @@ from ncdc_spec.hardware import Hardware
 
 HARDWARE = {"cache": Hardware(), "stream": Hardware(output="stream", data_width=128),
             "shared": Hardware(share=2, hidden="raster"), "views": Hardware(view=True, views=3),
-            "view": Hardware(view=True, view_rows=9, lut_tiles=True),
+            "view": Hardware(view=True, view_rows=9, tile_memory="luts"),
             "left_out": Hardware(fixed_lens=True, follow=False, counters=False)}
 BIN = Path(sys.executable).parent
 

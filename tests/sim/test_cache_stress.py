@@ -17,7 +17,7 @@ from ncdc_hdl.backend.cache.retire import Retire
 from ncdc_hdl.backend.cache.tags import Tags
 from ncdc_sim.tools import SimulationError
 from ncdc_spec.cache_options import CacheOptions
-from ncdc_spec.interpolation import GRADIENT
+from ncdc_spec.interpolation import FAST, GRADIENT
 from simulations.cache_stress import stress_cache
 
 F = 10
@@ -27,8 +27,9 @@ MIDDLE = CacheOptions(tiles=64, pending=32, outstanding=8, sequence_bits=8)
 LARGE_WINDOWS = replace(MIDDLE, interpolation=GRADIENT)
 
 
-def check(groups, data_width, options, lanes=1, **settings):
-    result = stress_cache(Cache(F, data_width, options, lanes), groups=groups, **settings)
+def check(groups, data_width, options, lanes=1, memory="blocks", **settings):
+    cache = Cache(F, data_width, options, lanes, tile_memory=memory)
+    result = stress_cache(cache, groups=groups, **settings)
     assert result["wrong"] == 0 and result["windows"] >= groups * lanes
     assert result["tiles"] > 100 and result["frames"] > 5
     return result
@@ -43,6 +44,14 @@ def check(groups, data_width, options, lanes=1, **settings):
 def test_random_windows(data_width, options, lanes):
     check(50000 // lanes, data_width, options, lanes)
     assert check(10000, data_width, options, lanes, resets=100, seed=2)["resets"] > 2
+
+
+@pytest.mark.longer
+@pytest.mark.parametrize("needs", [FAST, GRADIENT])
+def test_random_windows_of_shared_banks(needs):
+    options = replace(TINY, interpolation=needs)
+    check(50000, 32, options, memory="shared")
+    assert check(10000, 32, options, memory="shared", resets=100, seed=2)["resets"] > 2
 
 
 @pytest.mark.many_clocks

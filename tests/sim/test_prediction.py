@@ -1,7 +1,7 @@
 """The planner predicts the Verilog: misses exactly, clocks within 1 %, or to a few."""
 
 from dataclasses import replace
-from itertools import combinations
+from itertools import combinations, product
 
 import numpy as np
 import pytest
@@ -127,6 +127,28 @@ def test_any_two_choices_are_planned_within_a_hundredth(nodes, lanes, data_width
         missed, clocks = predicted(corrector, chosen, "ddr3")
         assert counters["FETCHES"] == missed
         assert counters["CLOCKS"] == pytest.approx(clocks.clocks, rel=.01)
+
+
+@pytest.mark.parametrize("memories", [
+    ("sdram",), pytest.param(("ideal", "ddr3", "fixed:100:4", "fixed:20:1.5"),
+                             marks=pytest.mark.longer)], ids=len)
+def test_shared_tiles_are_right_and_planned(memories):
+    """No window is read in a clock that writes words. The planner does not know that words of
+    later windows delay a read before them, which counts if nearly each window misses tiles."""
+    descriptor = replace(barrel_descriptor((160, 120), (160, 120), hidden_neurons=4, strength=.5,
+                                           interpolation=GRADIENT), nodes=16)
+    hardware = Hardware(output="stream", cache=CacheOptions(256, interpolation=GRADIENT),
+                        tile_memory="shared")
+    corrector = Corrector(descriptor, hardware)
+    verilog, raw = verilog_of(corrector), noise(descriptor)
+    for (split, within), memory in product(((best_split(descriptor, hardware), .002),
+                                            (worst_split(descriptor, hardware), .04)), memories):
+        chosen = replace(hardware, split=split)
+        simulation = simulate_correction(descriptor, raw, chosen, verilog=verilog, memory=memory)
+        missed, clocks = predicted(corrector, chosen, memory)
+        assert simulation.differing == []
+        assert simulation.counters["FETCHES"] == missed
+        assert simulation.counters["CLOCKS"] == pytest.approx(clocks.clocks, rel=within)
 
 
 def small(variant, neurons, **choices):

@@ -19,6 +19,7 @@ from ncdc_boards.camera_board.pattern import (
 from ncdc_boards.sdram.chips import SdramChip
 from ncdc_hdl.video.modes import mode_holding
 from ncdc_model.example.card import card_codes
+from ncdc_spec.cache_options import TILE_MEMORIES
 from ncdc_spec.errors import InputError
 from ncdc_spec.interpolation import INTERPOLATIONS
 
@@ -78,6 +79,8 @@ class CameraBoard:
         The device reaches the SDRAM's DQM; else whole words are written.
     interpolations : tuple of str
         Those for which it has space.
+    tile_memory : str
+        Of designs of one pixel per clock, as in :class:`~ncdc_spec.hardware.Hardware`.
     pattern_bits : int
         Bits of block RAM for a test pattern instead of a sensor; 0: it is not supported.
     csi_lane_hz : int
@@ -100,6 +103,7 @@ class CameraBoard:
     screen: bool = True
     byte_masks: bool = True
     interpolations: tuple = tuple(INTERPOLATIONS)
+    tile_memory: str = TILE_MEMORIES[0]
     pattern_bits: int = 0
     csi_lane_hz: int = 0
 

@@ -10,6 +10,7 @@ from ncdc_hdl.export.drivers.lenses import check_lens
 from ncdc_hdl.link.processor import READERS
 from ncdc_hdl.system import System
 from ncdc_model.raw_lens import raw_lens
+from ncdc_spec.cache_options import TILE_MEMORIES
 from ncdc_spec.camera_port import CSI2, CameraPort
 from ncdc_spec.errors import InputError
 from ncdc_spec.frames import BGR8, output_format
@@ -34,7 +35,8 @@ def hardware_for(board, lanes=1, colour=False):
     """The :class:`Hardware` that suits a board, before configuration; ``lanes`` pixels a clock,
     with gains, tone curve and sums if ``colour``."""
     return Hardware(data_width=_DATA_WIDTH, format=BGR8.name, lanes=lanes,
-                    multiplier_bits=board.multiplier_bits, colour=colour)
+                    multiplier_bits=board.multiplier_bits, colour=colour,
+                    tile_memory=board.tile_memory if lanes == 1 else TILE_MEMORIES[0])
 
 
 def sensor_for(name, geometry, *, pixel_clock_hz=0, **settings):

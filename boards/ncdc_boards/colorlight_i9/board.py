@@ -7,7 +7,7 @@ from ncdc_boards.colorlight_i9.top import ColorlightI9Top
 from ncdc_boards.ecp5.board import Ecp5Board
 from ncdc_boards.ecp5.csi2_camera import LANE_HZ_MAX
 from ncdc_boards.sdram.chips import M12L64322A_7
-from ncdc_spec.interpolation import FAST
+from ncdc_spec.interpolation import FAST, GRADIENT
 
 __all__ = ["BOARD"]
 
@@ -19,4 +19,4 @@ BOARD = Ecp5Board(
     sources=("litex-boards, colorlight_i5.py", "github.com/wuxx/Colorlight-FPGA-Projects, "
              "colorlight_i9_v7.2.md"),
     ethernet=EthernetChip(addresses=range(1), delays=True), screen=False, byte_masks=False,
-    interpolations=(FAST.name,), csi_lane_hz=LANE_HZ_MAX)
+    interpolations=(FAST.name, GRADIENT.name), tile_memory="shared", csi_lane_hz=LANE_HZ_MAX)

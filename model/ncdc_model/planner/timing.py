@@ -56,6 +56,9 @@ def predict_clocks(missed, boxes, hardware, memory, timing, addresses, writes=No
         retire(i) = i + b(i)        retire(i) >= retire(i-1) + 1, push(i) + push_to_retire,
                                                  last word + fill_to_retire
 
+    Of shared tile memory also retire(i) >= retire(i-1) + 1 + the words that i misses: no window is
+    read in a clock that writes one. These clocks are before retire(i), here all at its end.
+
     Parameters
     ----------
     missed : Misses
@@ -104,6 +107,9 @@ class _Frame:
         self.timing, self.writes = timing, writes
         self.pending, self.wrap = cache.pending, 1 << cache.sequence_bits
         self.words = 8 * TILE_WIDTH // hardware.data_width
+        # Clocks of each tile's words in which no window is read.
+        self.tile_writes = (cache.tile_height * self.words if hardware.tile_memory == "shared"
+                            else 0)
         self.read = DelaySteps(timing.push_to_retire)         # b
         self.port = memory_port(memory, hardware.data_width, writes, self.read, timing.read_to_bus)
         self.push_delay = 0               # a, of the last look-up that missed
@@ -188,11 +194,13 @@ class _Frame:
         i = self.current
         if i < 0:
             return
+        writes = self.tile_writes * len(self.missed)
         self._leave(i)
         self._wait_for_slot(i)
         self._claim(i + self.push_delay + self.timing.push_to_claim)
         self.read.step(i, max(self.last_word + self.timing.fill_to_retire - i,
-                              self.push_delay + self.timing.push_to_retire))
+                              self.push_delay + self.timing.push_to_retire,
+                              self.read.delay[-1] + writes))
 
     def _wait_for_slot(self, i):
         """Delay look-up i until look-up i - pending has left."""

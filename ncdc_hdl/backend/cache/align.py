@@ -110,7 +110,7 @@ class AlignMirrored(_Align):
         for k in range(ring):
             # Ring that has the window's column k modulo 8.
             which = staged(f"which{k}", column[bits:] + (column[:bits] > k if k < ring - 1 else 0),
-                           ceil_log2(across))
+                           unsigned(ceil_log2(across)))
             for j, samples in enumerate(self.samples):
                 near[j].append(staged(f"w_{j}{k}", chosen(list(samples)[k::ring], which)))
         w_rows = self._positions(m, "w_row", staged("s_row", row), staged("s_edge_y", self.edge_y),

@@ -18,7 +18,7 @@ from ncdc_hdl.lib.credits import Credited
 from ncdc_hdl.lib.gains import BALANCE, NO_BALANCE
 from ncdc_hdl.lib.pipeline import register
 from ncdc_hdl.lib.relay import Relay
-from ncdc_spec.cache_options import CacheOptions
+from ncdc_spec.cache_options import TILE_MEMORIES, CacheOptions
 
 __all__ = ["Cache"]
 
@@ -33,7 +33,8 @@ class Cache(wiring.Component):
     rows beyond it; their parts outside the frame's memory area are not read.
 
     Timing: one group per clock, for any memory latency that ``pending`` windows and
-    ``outstanding`` tiles hide it; stalls: see ``Tags``. Requests marked ``last`` end
+    ``outstanding`` tiles hide it; stalls: see ``Tags``. With "shared" tiles no group is read in the
+    clocks in which words from memory are written. Requests marked ``last`` end
     a frame: after it the cache is cleared, in as many clocks as it has sets.
 
     Parameters
@@ -49,7 +50,7 @@ class Cache(wiring.Component):
         see ``Boxes``, and else in two or more.
     raw_balance : bool
         Whether samples have gains before they are stored.
-    lut_tiles : bool
+    tile_memory : str
         As of :class:`~ncdc_hdl.backend.cache.tiles.Tiles`.
 
     Members
@@ -82,10 +83,10 @@ class Cache(wiring.Component):
     ports = 1
 
     def __init__(self, f_bits, data_width, options=CacheOptions(), lanes=1, raw_balance=False,
-                 lut_tiles=False):
+                 tile_memory=TILE_MEMORIES[0]):
         self.f_bits, self.data_width, self.options, self.lanes = f_bits, data_width, options, lanes
         needs = options.interpolation
-        banks = banks_for(data_width, lanes, needs)
+        banks = banks_for(data_width, lanes, needs, tile_memory == "shared")
         # The tag stage's stalls end here, and not in the stages that compute the windows.
         self.entry = Relay(request_layout(f_bits, lanes, needs))
         self.boxes = Boxes(f_bits, lanes, needs)
@@ -93,10 +94,10 @@ class Cache(wiring.Component):
         self.tags = Tags(f_bits, options, lanes)
         self.raw_balance = raw_balance
         self.fills = Fills(options, data_width, banks, raw_balance)
-        self.tiles = Tiles(options, banks, lut_tiles)
+        self.tiles = Tiles(options, banks, tile_memory)
         # Each box belongs to one group: so many groups at most are on their way to the queue.
         before = self.boxes.latency + self.locate.capacity + self.tags.latency
-        self.retire = Retire(f_bits, options, banks, lanes, before)
+        self.retire = Retire(f_bits, options, banks, lanes, before, self.tiles.shared)
         super().__init__({
             "base": In(ADDRESS_BITS), "limit": In(ADDRESS_BITS), "pitch": In(SIZE),
             "height": In(SIZE), "memory_rst": In(1), "outside": Out(1), "empty": Out(1),
@@ -149,6 +150,8 @@ class Cache(wiring.Component):
             self.fetched.eq(tags.claim), self.waiting.eq(retire.waiting),
             self.stalls.eq(tags.stalls),
         ]
+        if tiles.shared:
+            m.d.comb += retire.written.eq(fills.fill.enable.any())
         if self.lanes > 1:
             group = self.boxes.i
             m.d.comb += [retire.enters.eq(group.valid & group.ready),

@@ -55,9 +55,15 @@ class Banks(namedtuple("Banks", ["across", "word_bytes"])):
         return self.across * self.word_bytes
 
 
-def banks_for(data_width, lanes, interpolation):
-    """The :class:`Banks` of a cache. A window at any position is in two words of four bytes only
-    if it has at most five columns."""
+_SHARED_WORD = 2        # bytes: what a port of a block RAM that reads and writes has on any device
+
+
+def banks_for(data_width, lanes, interpolation, shared=False):
+    """The :class:`Banks` of a cache, ``shared`` or not, see
+    :class:`ncdc_hdl.backend.cache.tiles.Tiles`. A window at any position is in two words of four
+    bytes only if it has at most five columns."""
+    if shared:
+        return Banks(1 << ceil_log2(interpolation.window // _SHARED_WORD + 1), _SHARED_WORD)
     if lanes > 1 or interpolation.window > 5:
         return Banks(*interpolation.box_words(lanes))
     return Banks(2, 8 if data_width == 128 else 4)
@@ -88,11 +94,11 @@ def window_position_layout(f_bits, options, lanes):
     ``next_set`` is that of the next tiles of the same bank to the right and below. ``lane`` is
     :func:`lanes_layout` of a single one. A group of several lanes may take several look-ups, and
     waits elsewhere: ``mask`` marks the lanes of this one, ``end`` the
-    group's last one. The box begins at ``word`` and ``row`` of the first tile. A single window
-    without a margin begins at its ``x`` and ``y``.
+    group's last one. The box begins at ``word`` and ``row`` of the first tile; of a single window
+    ``word`` counts those of the shortest banks. One without a margin begins at its ``x`` and ``y``.
     """
     needs = options.interpolation
-    _, word = needs.box_words(lanes)
+    word = _SHARED_WORD if lanes == 1 else needs.box_words(lanes)[1]
     fields = {
         "set": set_bits(options), "next_set": set_bits(options),
         "odd_tile": data.StructLayout({"x": 1, "y": row_bits(options)}),

@@ -38,6 +38,8 @@ class Retire(wiring.Component):
         Of the tile memory.
     before : int
         Groups, at most, that have entered and whose last look-up is not pushed yet.
+    shared : bool
+        Whether the tile memory cannot be read in the clock after ``written``.
 
     Members
     -------
@@ -52,6 +54,8 @@ class Retire(wiring.Component):
         The oldest look-up reads its samples in this clock: its tiles may be replaced.
     waiting : ``Out(1)``
         The oldest look-up waits for a tile.
+    written : ``In(1)``
+        Words are written into the tile memory in the clock after this one (only if ``shared``).
     odd_rows : ``In(1)``
         As of :class:`Tiles`, for windows with a margin.
     load, box, samples :
@@ -64,9 +68,9 @@ class Retire(wiring.Component):
     filled_to_retire = 1 + 1
     """Clocks from ``filled`` to ``retire`` of the look-up that waits for it: the balance, B."""
 
-    def __init__(self, f_bits, options, banks, lanes=1, before=0):
+    def __init__(self, f_bits, options, banks, lanes=1, before=0, shared=False):
         self.f_bits, self.options = f_bits, options
-        self.banks, self.lanes, self.before = banks, lanes, before
+        self.banks, self.lanes, self.before, self.shared = banks, lanes, before, shared
         self.position_shape = window_position_layout(f_bits, options, lanes)
         self.lanes_shape = lanes_layout(f_bits, options, lanes)
         # Of a look-up whose tiles have arrived.
@@ -85,7 +89,8 @@ class Retire(wiring.Component):
             "samples": In(samples_layout(banks.columns, options.interpolation)),
             "o": Out(Credited(window_layout(f_bits, lanes, options.interpolation))),
         } | ({"enters": In(1), "group": In(self.lanes_shape)} if lanes > 1 else {})
-            | ({"odd_rows": In(1)} if options.interpolation.margin else {}))
+            | ({"odd_rows": In(1)} if options.interpolation.margin else {})
+            | ({"written": In(1)} if shared else {}))
 
     @property
     def retire_to_window(self):
@@ -105,9 +110,10 @@ class Retire(wiring.Component):
         oldest = Signal(self.position_shape, reset_less=True)
         pop = Signal()                  # the oldest look-up goes on to the stages
         load = Signal()                 # the look-up at the queue's end becomes the oldest
+        able = enough & space & ~self.written if self.shared else enough & space
         m.d.comb += [
-            load.eq(~oldest_valid | (enough & space)),
-            pop.eq(oldest_valid & enough & space),
+            load.eq(~oldest_valid | able),
+            pop.eq(oldest_valid & able),
             # The look-ups of a group have one window: the last one announces it.
             self.o.issue.eq(pop & (oldest.end if self.lanes > 1 else 1)),
             self.waiting.eq(oldest_valid & ~enough),
@@ -255,7 +261,7 @@ class Retire(wiring.Component):
     def _corner(self, position):
         """Word and row of a look-up's first tile in which its box begins."""
         if "word" in self.position_shape.members:
-            return position.word, position.row
+            return position.word[-len(self.box.word):], position.row
         lane = position.lane[0]
         return lane.x[ceil_log2(self.banks.word_bytes):], lane.y
 

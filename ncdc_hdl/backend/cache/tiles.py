@@ -8,7 +8,7 @@ from amaranth.utils import ceil_log2, exact_log2
 from ncdc_hdl.backend.cache.layouts import row_bits, set_bits, slot_bits
 from ncdc_hdl.lib.memory import block_memory
 from ncdc_hdl.lib.pipeline import register
-from ncdc_spec.cache_options import TILE_WIDTH
+from ncdc_spec.cache_options import TILE_MEMORIES, TILE_WIDTH
 
 __all__ = ["Tiles", "box_layout", "fill_layout", "samples_layout"]
 
@@ -66,15 +66,19 @@ class Tiles(wiring.Component):
 
     Timing: ``samples`` follow a box after 4 clocks: box, address, memory, samples. A word is in
     the memory 2 clocks after its ``fill``: no later than a box of it, taken in the clock of the
-    ``fill``, is at the memory.
+    ``fill``, is at the memory. Shared banks take no box's address in the clock of a ``fill``:
+    ``samples`` 3 clocks later are of no box.
 
     Parameters
     ----------
     options : CacheOptions
     banks : Banks
         C, and the bytes of a word.
-    lut_tiles : bool
-        The last C / 2 columns of banks, half of the memory, are made of LUTs instead of block RAM.
+    memory : str
+        One of :data:`ncdc_spec.cache_options.TILE_MEMORIES`. With "luts" the last C / 2 columns of
+        banks, half of the memory, are made of LUTs instead of block RAM. With "shared" each of
+        these columns is in the block RAM of one of the first C / 2. Each bank then has one port,
+        to read or to write.
 
     Members
     -------
@@ -91,14 +95,19 @@ class Tiles(wiring.Component):
 
     latency = 4
 
-    def __init__(self, options, banks, lut_tiles=False):
-        self.options, self.banks, self.lut_tiles = options, banks, lut_tiles
+    def __init__(self, options, banks, memory=TILE_MEMORIES[0]):
+        self.options, self.banks, self.memory = options, banks, memory
         super().__init__({
             "split": In(range(set_bits(options) + 1)),
             "fill": In(fill_layout(options, banks)),
             "load": In(1), "box": In(box_layout(options, banks)),
             "samples": Out(samples_layout(banks.columns, options.interpolation)),
         } | ({"odd_rows": In(1)} if options.interpolation.margin else {}))
+
+    @property
+    def shared(self):
+        """Whether two banks share a block RAM."""
+        return self.memory == "shared"
 
     def elaborate(self, platform):
         m = Module()
@@ -127,40 +136,57 @@ class Tiles(wiring.Component):
         samples = Signal.like(self.samples, name="read_samples", reset_less=True)
         m.d.comb += self.samples.eq(samples)
         width, across = 8 * self.banks.word_bytes, self.banks.across
-        fill_addresses, fill_words, enables = self._fill(m, bank_bits, odd_rows)
+        ports = self._ports(m, (self.options.tiles >> bank_bits) * words)
+        written, fill_words, enables = self._fill(m, bank_bits, odd_rows)
         for column in range(across):
             word, in_next_tile, odd_x = self._column(m, column)
             second = column >= across // 2      # this column is in the second half of them
             for row in range(needs.box_rows):
-                bank = f"bank{row}{column}"
-                # A tile is not read before it is complete, nor written before it has been read.
-                m.submodules[bank] = memory = block_memory(
-                    width, (self.options.tiles >> bank_bits) * words,
-                    in_luts=self.lut_tiles and second)
-                write, read = memory.write_port(), memory.read_port()
-                m.d.comb += [write.addr.eq(fill_addresses[second]),
-                             write.data.eq(fill_words[column]),
-                             write.en.eq(enables[column, row])]
-                address = Signal(len(read.addr), reset_less=True, name=f"address{row}{column}")
+                write, read, base = ports[row, column]
+                m.d.comb += [write.data.eq(fill_words[column]), write.en.eq(enables[column, row])]
                 # A set has bits of the column, where the mask has ones, and bits of the row.
                 chosen = Signal(sets, name=f"set{row}{column}")
-                m.d.comb += [
-                    chosen.eq(Cat(
-                        Mux(Mux(is_x, in_next_tile, lower[row]), then, now)
-                        for is_x, now, then in zip(mask_x, first, following))),
-                    read.addr.eq(address)]
+                m.d.comb += chosen.eq(Cat(
+                    Mux(Mux(is_x, in_next_tile, lower[row]), then, now)
+                    for is_x, now, then in zip(mask_x, first, following)))
                 wanted = Cat(word, chosen, odd_x)
                 if bank_bits < len(odd_y):
                     wanted = Cat(wanted, odd_y[bank_bits:] ^ lower[row])
-                m.d.sync += [
-                    address.eq(~wanted if second else wanted),
-                    Value.cast(samples[row]).word_select(column, width).eq(read.data)]
+                wanted = ~wanted if second else wanted
+                name = f"address{row}{column}"
+                if self.shared:
+                    # One register for both: the port has one address.
+                    wanted = Mux(self.fill.enable.any(), written[second], wanted)
+                    address = Cat(register(m, name, wanted), base)
+                    m.d.comb += [write.addr.eq(address), read.addr.eq(address)]
+                else:
+                    m.d.comb += [write.addr.eq(written[second]),
+                                 read.addr.eq(register(m, name, wanted))]
+                m.d.sync += Value.cast(samples[row]).word_select(column, width).eq(read.data)
         return m
+
+    def _ports(self, m, depth):
+        """By row and column, the ports of the banks of ``depth`` words, to write and to read, and
+        what precedes the address.
+
+        A tile is not read before it is complete, nor written before it has been read.
+        """
+        width, half, ports = 8 * self.banks.word_bytes, self.banks.across // 2, {}
+        for row in range(self.options.interpolation.box_rows):
+            for column in range(half if self.shared else self.banks.across):
+                m.submodules[f"bank{row}{column}"] = memory = block_memory(
+                    width, depth << self.shared,
+                    in_luts=self.memory == "luts" and column >= half)
+                for bank in range(1 + self.shared):
+                    ports[row, column + bank * half] = (
+                        memory.write_port(), memory.read_port(), Const(bank, self.shared))
+        return ports
 
     def _fill(self, m, bank_bits, odd_rows):
         """Addresses, and words by column, of what is written; by column and row whether it is.
 
-        All are registers, half-way from the memory's port to the banks, which may be far apart.
+        All are registers, half-way from the memory's port to the banks, which may be far apart;
+        but the addresses of shared banks are not, as each has a register there.
         The second address, for the second half of the columns, is the first one's complement:
         synthesis would make one register of two that are equal.
         """
@@ -168,8 +194,8 @@ class Tiles(wiring.Component):
         column_of_tile, row_of_tile = fill.slot[:sets + 1], fill.slot[sets + 1:]
         bank = Cat(fill.row ^ odd_rows, row_of_tile[:bank_bits])
         address = Cat(fill.word, column_of_tile, row_of_tile[bank_bits:])
-        addresses = (register(m, "fill_address", address),
-                     register(m, "fill_address_turned", ~address))
+        addresses = (address, ~address) if self.shared else (
+            register(m, "fill_address", address), register(m, "fill_address_turned", ~address))
         columns = range(self.banks.across)
         words = [register(m, f"fill_word{column}", fill.data[column]) for column in columns]
         enables = {(column, row): register(

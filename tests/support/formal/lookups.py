@@ -49,7 +49,7 @@ class _Lookups(Wrapper):
         super().__init__({
             "valid": In(1), "tile_x": In(_BITS), "tile_y": In(_BITS), "across": In(1),
             "down": In(range(self.rows)), "blank": In(1), "last": In(1), "filled": In(1),
-            "space": In(1), "watch": In(4)})
+            "space": In(1), "watch": In(4)} | ({"written": In(1)} if self.retire.shared else {}))
 
     def start(self, m):
         """The design with its look-ups and fills; its parts, and the tiles outstanding."""
@@ -57,6 +57,11 @@ class _Lookups(Wrapper):
         fragment = self.design(m, _Parts(tags, retire))
         m.d.comb += [tags.i.valid.eq(self.valid), tags.i.payload.eq(self._lookup(m)),
                      retire.o.space.eq(self.space)]
+        if "written" in retire.signature.members:
+            written = Signal()          # a clock ago it was said that words are written now
+            m.d.sync += written.eq(self.written)
+            m.d.comb += retire.written.eq(self.written)
+            always(m, ~(retire.retire & written), "read_or_written")
         with m.If(tags.i.valid & tags.i.ready & self.last):
             m.d.sync += self.odd_frame.eq(~self.odd_frame)
         outstanding = Signal(range(most + 1))
@@ -180,7 +185,8 @@ class Tokens(_Lookups):
 
     Asserts that the balance of tokens and the tiles outstanding together are the tiles claimed by
     look-ups after the oldest, so that no token is spent that is not there, and that the queue
-    does not overflow. No window is announced without space for it.
+    does not overflow. No window is announced without space for it, and none of shared tile memory
+    reads it while words are written.
     """
 
     def elaborate(self, platform):
