@@ -137,11 +137,13 @@ class Tiles(wiring.Component):
         m.d.comb += self.samples.eq(samples)
         width, across = 8 * self.banks.word_bytes, self.banks.across
         ports = self._ports(m, (self.options.tiles >> bank_bits) * words)
-        written, fill_words, enables = self._fill(m, bank_bits, odd_rows)
+        fill_addresses, fill_words, enables = self._fill(m, bank_bits, odd_rows)
         for column in range(across):
             word, in_next_tile, odd_x = self._column(m, column)
             second = column >= across // 2      # this column is in the second half of them
             for row in range(needs.box_rows):
+                below = across > 2 and row >= needs.box_rows // 2
+                fill_address = fill_addresses[below, second]
                 write, read, base = ports[row, column]
                 m.d.comb += [write.data.eq(fill_words[column]), write.en.eq(enables[column, row])]
                 # A set has bits of the column, where the mask has ones, and bits of the row.
@@ -156,11 +158,11 @@ class Tiles(wiring.Component):
                 name = f"address{row}{column}"
                 if self.shared:
                     # One register for both: the port has one address.
-                    wanted = Mux(self.fill.enable.any(), written[second], wanted)
+                    wanted = Mux(self.fill.enable.any(), fill_address, wanted)
                     address = Cat(register(m, name, wanted), base)
                     m.d.comb += [write.addr.eq(address), read.addr.eq(address)]
                 else:
-                    m.d.comb += [write.addr.eq(written[second]),
+                    m.d.comb += [write.addr.eq(fill_address),
                                  read.addr.eq(register(m, name, wanted))]
                 m.d.sync += Value.cast(samples[row]).word_select(column, width).eq(read.data)
         return m
@@ -183,19 +185,24 @@ class Tiles(wiring.Component):
         return ports
 
     def _fill(self, m, bank_bits, odd_rows):
-        """Addresses, and words by column, of what is written; by column and row whether it is.
+        """Addresses by half of the rows and half of the columns, and words by column, of what is
+        written; by column and row whether it is.
 
         All are registers, half-way from the memory's port to the banks, which may be far apart;
-        but the addresses of shared banks are not, as each has a register there.
-        The second address, for the second half of the columns, is the first one's complement:
-        synthesis would make one register of two that are equal.
+        but the addresses of shared banks are not, as each has a register there. The rows have two
+        halves only if there are more than two columns. Synthesis would make one register of
+        several that are equal. So of the second half of the columns the address is the complement,
+        and of that of the rows it has a reset.
         """
         fill, sets = self.fill, set_bits(self.options)
         column_of_tile, row_of_tile = fill.slot[:sets + 1], fill.slot[sets + 1:]
         bank = Cat(fill.row ^ odd_rows, row_of_tile[:bank_bits])
         address = Cat(fill.word, column_of_tile, row_of_tile[bank_bits:])
-        addresses = (address, ~address) if self.shared else (
-            register(m, "fill_address", address), register(m, "fill_address_turned", ~address))
+        addresses = {
+            (below, second): value if self.shared else register(
+                m, f"fill_address{below}{second}", value, reset_less=not below)
+            for below in range(1 + (self.banks.across > 2))
+            for second, value in enumerate((address, ~address))}
         columns = range(self.banks.across)
         words = [register(m, f"fill_word{column}", fill.data[column]) for column in columns]
         enables = {(column, row): register(
