@@ -157,7 +157,7 @@ def test_windows_are_cut_from_the_samples(needs, columns):
         return 2 * first - k if k < first else 2 * last - k if k > last else k
 
     async def cut(ctx):
-        ctx.set(align.take, 1)
+        ctx.set(align.take, 3)
         ctx.set(align.samples, block.tolist())
         for x, y in np.ndindex(max(16, columns), rows):
             ctx.set(align.x, x)

@@ -23,6 +23,7 @@ from ncdc_hdl.video.modes import mode_named
 from ncdc_sim.board.ethernet import Ethernet, Passed
 from ncdc_soc import board as soc_board
 from ncdc_soc import firmware
+from ncdc_spec.interpolation import FAST, GRADIENT
 from ncdc_spec.protocols import gvcp
 from ncdc_spec.protocols.features import feature
 from peers import need
@@ -34,6 +35,7 @@ PC, PC_ADDRESS = "02:00:00:00:00:01", "10.77.0.10"
 GVCP_FROM, GVSP_TO = 50000, 50001
 BEGINS_US = 8000            # when the chip has a link
 MODES = {"de2-115": SMALL, "colorlight-i9": None}
+COLOUR = {"de2-115": FAST, "colorlight-i9": GRADIENT}       # by shared tiles
 # In the firmware, what makes the chip's clock to us late: as it is, and forgotten.
 RECEIVED_LATE = {"de2-115": ("0x0080 | BY_CHIP", "0x0000 | BY_CHIP"),
                  "colorlight-i9": ("0x8107", "0x8007")}
@@ -50,7 +52,8 @@ def quick_reset():
 
 @pytest.fixture(scope="module", params=MODES)
 def bench(request):
-    return Bench(request.param, MODES[request.param], (64, 24), processor=True)
+    return Bench(request.param, MODES[request.param], (64, 24), processor=True,
+                 interpolation=COLOUR[request.param])
 
 
 def to_device(data, port=gvcp.PORT):
@@ -184,8 +187,9 @@ def test_whole_pictures_on_the_network_and_on_a_screen_at_once(name, run_us):
     """640x480 at the sensor's own rate: memory serves camera, corrector, packets, and the screen of
     the board that has one."""
     mode = mode_named("640x480")
+    hardware = replace(hardware_for(board(name)), strip=256)
     bench = Bench(name, mode if MODES[name] else None, mode.size, frames=4, processor=True,
-                  hardware=replace(hardware_for(board(name)), strip=256))
+                  interpolation=COLOUR[name], hardware=hardware)
     files = soc_board.processor_files(bench.design, bench.sensor)
     result = bench.run(run_us, optimise="-O2", ethernet=Ethernet(files, asked()))
     results = result.results

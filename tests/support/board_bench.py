@@ -13,6 +13,7 @@ from ncdc_model.raw_lens import raw_lens
 from ncdc_sim.board.run import simulate_board
 from ncdc_sim.sensor.reference import raw_frames
 from ncdc_sim.sensor.verilog import Light
+from ncdc_spec.interpolation import FAST
 from ncdc_spec.sensors.level import levelled
 
 __all__ = ["HEIGHT", "SMALL", "WIDTH", "Bench", "PatternBench"]
@@ -25,11 +26,12 @@ class Bench:
     """A design for two lenses, or without a screen (``mode`` None) for one, the light on its
     sensor, and the golden pictures of that; ``field``, ``asked``: as of ``sensor_for``."""
 
-    def __init__(self, name, mode, size, sensor="mt9p031", **more):
+    def __init__(self, name, mode, size, sensor="mt9p031", interpolation=FAST, **more):
         self.mode, self.size, self.name = mode, size, sensor
         # Bits of a colour that the board shows.
         self.colour_mask = 0xF0 if name == "de0-cv" else 0xFF
-        lenses = [barrel_descriptor(size, size, hidden_neurons=2, strength=s) for s in (.4, .2)]
+        lenses = [barrel_descriptor(size, size, hidden_neurons=2, strength=s,
+                                    interpolation=interpolation) for s in (.4, .2)]
         self.lenses = [*lenses, raw_lens(lenses[0])]
         more = self._camera(lenses[0], **more)
         named = [("a", lenses[0]), ("b", lenses[1])]

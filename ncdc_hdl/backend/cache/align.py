@@ -33,8 +33,9 @@ class _Align(wiring.Component):
 
     Members
     -------
-    take : ``In(1)``
-        Whether ``o`` loads the output of the last stage but one; the others free-run.
+    take : ``In(2)``
+        Whether ``o`` loads the output of the last stage but one, a bit for each half of its
+        samples; the others free-run.
     samples : ``In(samples_layout(columns, interpolation))``
     x, y : ``In``
         Low bits of the sample of the first point.
@@ -49,7 +50,7 @@ class _Align(wiring.Component):
         self.columns, self.interpolation = columns, interpolation
         layouts = edges(interpolation)
         super().__init__({
-            "take": In(1),
+            "take": In(2),
             "samples": In(samples_layout(columns, interpolation)),
             "x": In(ceil_log2(TILE_WIDTH)),
             "y": In(ceil_log2(interpolation.box_rows)),
@@ -74,7 +75,7 @@ class Align(_Align):
             row = register(m, f"row{j}", Value.cast(self.samples[which]))
             # The last word is followed by the first one.
             around = Cat(row, row)
-            with m.If(self.take):
+            with m.If(self.take[j % 2]):
                 m.d.sync += Cat(*(self.o[window * j + k] for k in range(window))).eq(
                     Cat(around.word_select(byte + k, 8) for k in range(window)))
         return m
@@ -124,7 +125,7 @@ class AlignMirrored(_Align):
         for k, (j, i) in enumerate(needs.samples):
             values = [rows[j].word_select(n, 8) for n in range(i % 2, ring, 2)]
             sample = staged(f"c_{j}{i}", chosen(values, r_columns[i]))
-            with m.If(self.take):
+            with m.If(self.take[k % 2]):
                 m.d.sync += self.o[k].eq(sample)
         return m
 

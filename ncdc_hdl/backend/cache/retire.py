@@ -225,9 +225,11 @@ class Retire(wiring.Component):
                      o.first.eq(w.first), o.last.eq(w.last)]
         odd_rows = self.odd_rows if self.options.interpolation.margin else None
         for k, out in enumerate(lanes_of(o)):
-            # Known a clock early: each one moves a few hundred flip-flops.
-            take = register(m, f"take{k}", before[0] & before[1].mask[k],
-                            reset_less=False) if several else Const(1)
+            # Known a clock early, as each one moves a few hundred flip-flops. Two of them, of which
+            # synthesis does not make one: only one has a reset.
+            take = Cat(register(m, f"take{k}{half}", before[0] & before[1].mask[k],
+                                reset_less=bool(half))
+                       for half in range(2)) if several else Const(3, 2)
             m.submodules[f"align{k}"] = align = self.aligns[k]
             m.d.comb += [
                 align.take.eq(take), align.samples.eq(self.samples),
@@ -238,7 +240,7 @@ class Retire(wiring.Component):
             if self.options.interpolation.margin:
                 # From lane to lane, so that none of these registers has to reach them all.
                 odd_rows = register(m, f"odd_rows{k}", odd_rows)
-            with m.If(take):
+            with m.If(take[0]):
                 m.d.sync += [
                     out.fx.eq(w.lane[k].fx), out.fy.eq(w.lane[k].fy),
                     out.blank.eq(w.lane[k].blank)]
