@@ -1,7 +1,7 @@
 """The clocks of the Colorlight i9: one phase-locked loop of the ECP5."""
 
 from dataclasses import dataclass
-from fractions import Fraction
+from math import isclose
 
 from amaranth import *
 
@@ -12,11 +12,11 @@ from ncdc_spec.errors import InputError
 __all__ = ["CORE_MHZ", "DOMAINS", "ClockPlan", "ColorlightI9Clocks", "clock_plan"]
 
 REFERENCE_MHZ = 25                  # the module's oscillator, also the sensor's clock
-CORE_MHZ = 50
 ETHERNET_MHZ = 125                  # clock of RGMII at any speed of the line
 DOMAINS = ("sync", "memory", "sensor_reference", "ethernet")
 _OSCILLATOR_MHZ = 500               # divided by integers for each of these clocks
-_LATE = Fraction(3, 4)              # periods by which the clock at the SDRAM's pin is late
+CORE_MHZ = _OSCILLATOR_MHZ / 12     # the processor reached 46.9 MHz after routing
+_EARLY = 2      # periods of the oscillator from the SDRAM's clock at its pin to the core's next one
 _RESET_CLOCKS = 64                  # length of the processor's reset
 
 
@@ -44,22 +44,21 @@ class ClockPlan:
 def clock_plan(mode, core_mhz=CORE_MHZ):
     """The :class:`ClockPlan`; ``mode`` is None, as there is no screen.
 
-    The clock at the SDRAM's pin is three quarters of a period late, or slightly more, by the
-    phase steps of the loop: see docs/reference/colorlight_i9.md.
+    The clock at the SDRAM's pin is 4 ns before the core's next one, see
+    docs/reference/colorlight_i9.md. The sensor's clock is fed back: it is the loop's input again.
 
     Raises
     ------
     InputError
         If the loop makes no such clock.
     """
-    divider, rest = divmod(Fraction(_OSCILLATOR_MHZ), Fraction(core_mhz))
-    if rest:
+    divider = round(_OSCILLATOR_MHZ / core_mhz)
+    if not divider or not isclose(_OSCILLATOR_MHZ / divider, core_mhz):
         raise InputError(f"the core's clock is {core_mhz} MHz, a whole part of "
                          f"{_OSCILLATOR_MHZ} MHz is needed")
-    ratio = Fraction(core_mhz) / REFERENCE_MHZ
     dividers = (divider, divider, _OSCILLATOR_MHZ // REFERENCE_MHZ, _OSCILLATOR_MHZ // ETHERNET_MHZ)
-    return ClockPlan(Pll(REFERENCE_MHZ, ratio.denominator, ratio.numerator, 0, dividers,
-                         (0, -int(-divider * _LATE // 1), 0, 0)))
+    return ClockPlan(Pll(REFERENCE_MHZ, 1, 1, DOMAINS.index("sensor_reference"), dividers,
+                         (0, divider - _EARLY, 0, 0)))
 
 
 class ColorlightI9Clocks(Elaboratable):
