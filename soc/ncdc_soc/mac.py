@@ -25,7 +25,10 @@ class ModelPhy(LiteEthPHYModel):
 
 def mac_core(phy, in_words=False):
     """LiteEth's MAC with streams of 32 bits; ``phy`` and ``in_words`` as of :class:`Mac`."""
-    core = LiteEthMACCore(phy, _WIDTH, with_sys_datapath=in_words, tx_cdc_buffered=in_words)
+    # Words that cross to the other clock: no more than one LUT memory of an ECP5 holds.
+    depth = {"tx_cdc_depth": 16, "rx_cdc_depth": 16} if in_words else {}
+    core = LiteEthMACCore(phy, _WIDTH, with_sys_datapath=in_words, tx_cdc_buffered=in_words,
+                          **depth)
     if in_words:
         # Of frames sent between the conversion to bytes and their end, of those received between
         # the conversion to words and the crossing: ``ready`` would go through both in one clock.
