@@ -130,7 +130,8 @@ class Hardware:
         for name, value, choices in (
                 ("the memory's data width", self.data_width, DATA_WIDTHS),
                 ("the output", self.output, OUTPUTS), ("fetch", self.fetcher, FETCHERS),
-                ("hidden", self.hidden, HIDDEN), ("tile memory", self.tile_memory, TILE_MEMORIES),
+                ("hidden", self.hidden, HIDDEN),
+                ("the tile memory", self.tile_memory, TILE_MEMORIES),
                 ("multiplier bits", self.multiplier_bits, MULTIPLIER_BITS),
                 ("pixels per clock", self.lanes, LANES), ("the format", self.format, FORMATS),
                 ("the bus", self.bus, BUSES), ("the video", self.video, VIDEOS)):

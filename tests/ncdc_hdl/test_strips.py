@@ -236,6 +236,12 @@ def test_groups_equal_golden(lanes, data_width, output, hidden, share, strip, me
     ({"lanes": 2}, "the corrected width is 77, 2 pixels per clock need a multiple of 2"),
     ({"lanes": 2, "fetcher": "multiport"},
      "pixels per clock is 2, the multiport fetcher can have 1 only"),
+    ({"lanes": 4, "tile_memory": "shared"},
+     "tile memory is shared, with 4 pixels per clock and data of 32 bits; it needs 1 pixel and"),
+    ({"data_width": 64, "tile_memory": "shared"}, "tile memory is shared, .* data of 64 bits"),
+    ({"fetcher": "multiport", "tile_memory": "luts"},
+     "fetch is multiport, tile memory luts needs cache"),
+    ({"tile_memory": "luts, blocks"}, "the tile memory is .*, one of blocks, luts, shared is"),
     ({"format": "Mono8"}, "the format is Mono8, which needs a grey sensor, the camera's colour "
      "filter is GBRG"),
     ({"format": "BGR8", "output": "stream"}, "the format is BGR8, a video stream has none"),
