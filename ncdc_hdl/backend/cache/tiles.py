@@ -192,7 +192,8 @@ class Tiles(wiring.Component):
         but the addresses of shared banks are not, as each has a register there. The rows have two
         halves only if there are more than two columns. Synthesis would make one register of
         several that are equal. So of the second half of the columns the address is the complement,
-        and of that of the rows it has a reset.
+        and of that of the rows it has a reset. Columns may be written together: whether they are
+        has a reset in the first half of them. A word written in a reset is in no tile after it.
         """
         fill, sets = self.fill, set_bits(self.options)
         column_of_tile, row_of_tile = fill.slot[:sets + 1], fill.slot[sets + 1:]
@@ -206,7 +207,8 @@ class Tiles(wiring.Component):
         columns = range(self.banks.across)
         words = [register(m, f"fill_word{column}", fill.data[column]) for column in columns]
         enables = {(column, row): register(
-            m, f"enable{row}{column}", fill.enable[column] & (bank == row), reset_less=False)
+            m, f"enable{row}{column}", fill.enable[column] & (bank == row),
+            reset_less=column >= self.banks.across // 2)
             for column in columns for row in range(self.options.interpolation.box_rows)}
         return addresses, words, enables
 
