@@ -90,10 +90,10 @@ def test_no_pin_is_used_twice(ours):
 
 def test_the_loop_makes_each_clock():
     plan = clock_plan(None)
-    core = 125 / 3
+    core = 250 / 7
     assert plan.targets() == {"sync": core, "memory": core, "sensor_reference": 25, "ethernet": 125}
     # Nanoseconds by which the clock at the SDRAM's pin is late.
-    assert plan.loop.oscillator_mhz == 500 and 2 * plan.loop.phases[1] == 20
+    assert plan.loop.oscillator_mhz == 500 and 2 * plan.loop.phases[1] == 24
     assert 2 * clock_plan(None, 62.5).loop.phases[1] == 12
     with pytest.raises(InputError, match="60 MHz, a whole part of 500 MHz is needed"):
         clock_plan(None, 60)
