@@ -339,8 +339,6 @@ PLANTED = {
     "fills' queues too small": (lambda: planted(FillSpace(128, 3), entries_missing=1), 20,
                                 "no_overflow"),
     "slot too early": (lambda: FillOrder(kind=SlotEarly), 24, "slot"),
-    "a read while words are written": (
-        lambda: Tokens(retire=partial(ReadsWhileWritten, shared=True)), 20, "read_or_written"),
 }
 
 LONG_PLANTED = {
@@ -356,6 +354,8 @@ LONG_PLANTED = {
     "token early, counted": (lambda: Tokens(retire=TokenEarly), 20, "most_awaited"),
     "token early, seen": (lambda: Slots(retire=TokenEarly), 20, "own_tile"),
     "no interlock, seen": (lambda: Slots(tags=NoInterlock), 20, "own_tile"),
+    "a read while words are written": (
+        lambda: Tokens(retire=partial(ReadsWhileWritten, shared=True)), 20, "read_or_written"),
 }
 
 
