@@ -14,6 +14,7 @@ from ncdc_hdl.backend.cache.layouts import (
     row_bits,
     set_bits,
 )
+from ncdc_hdl.lib.pipeline import register
 from ncdc_hdl.lib.relay import Relay
 from ncdc_spec.cache_options import TILE_WIDTH
 
@@ -70,7 +71,8 @@ class Locate(wiring.Component):
         wiring.connect(m, sets.o, wiring.flipped(self.o))
         o, position = sets.i.p, sets.i.p.position
         tile_x, tile_y = t.x0[_X_BITS:], t.y0[y_bits:]
-        mask_x = Signal(set_bits(self.options))
+        # Both in registers here, as the set of registers is far away.
+        split, mask_x = register(m, "split_here", self.split), Signal(set_bits(self.options))
         m.d.sync += mask_x.eq((1 << self.split) - 1)
         # A register alone decides: `ready` goes on to all stages that make boxes of a group.
         m.d.comb += self.i.ready.eq(sets.i.ready)
@@ -96,7 +98,7 @@ class Locate(wiring.Component):
             m.d.comb += [set_x[odd].eq(pair_x & mask_x),
                          o.pair_x[odd].eq(pair_x), o.set_x[odd].eq(set_x[odd])]
         for r, pair_y in enumerate((*t_pair_y, tile_y[row:])):
-            m.d.comb += [set_y[r].eq(pair_y << self.split),
+            m.d.comb += [set_y[r].eq(pair_y << split),
                          o.pair_y[r].eq(pair_y), o.set_y[r].eq(set_y[r])]
         m.d.comb += [position.next_set.eq(set_x[0] | set_y[0]),
         position.set.eq(set_x[1] | set_y[-1])]
