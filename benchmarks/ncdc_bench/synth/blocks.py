@@ -196,8 +196,10 @@ BLOCKS = {
 ONLY = {"DE0-CV, HN 8": "cyclonev", "DE2-115, HN 8": "cycloneiv"}
 """The one target of variants that are made for it."""
 
-PLACED = {"HN 16, 3840x2160 at 60": ("--placer", "static", "--router", "router2", "--freq", "140")}
-"""Options of nextpnr for variants that need others. That placer uses the whole device."""
+PLACED = {"HN 16, 3840x2160 at 60": ("--placer", "static", "--router", "router2", "--tmg-ripup",
+                                     "--freq", "140")}
+"""Options of nextpnr for variants that need others. That placer uses the whole device. That router
+also takes up routes that are too slow, not only those that collide."""
 
 SPEEDS = {"CSI-2": 6}
 """Speed grade of the ECP5 for blocks whose goal is that of the slowest one."""
