@@ -124,7 +124,7 @@ DRAWINGS = {
          (8.2, 11.2, 2.6, "registers", "settings, lens, claims"),
          (11.2, 8.2, 1.3, "frames", "word by word, Table II"),
          (16.6, 14.0, 4.0, "sensor", "clock, lines, data"), (14.0, 16.6, 3.0, "I2C", "registers"),
-         (14.0, 16.6, 1.1, "bursts", "50 MHz")),
+         (14.0, 16.6, 1.1, "bursts", "35.7 MHz")),
         "no screen: pictures leave by the cable alone; registers through a serial port too"),
     "guide-zynq.png": Drawing(
         ((0, 0, 2.9, 4.6, "processing system\nof a Zynq or Kria\n\nLinux, /dev/uio0\n\n"
