@@ -237,13 +237,11 @@ module EHXPLLL #(
         @(posedge LOCK);
         start = $realtime;
         #((CLKOS2_CPHASE + 1 - CLKOS2_DIV) * oscillator);
-        // The edges of an output that is only fed back are not used.
-        if (FEEDBK_PATH != "INT_OS2")
-            forever begin
-                CLKOS2 = !CLKOS2;
-                os2 = os2 + 1;
-                #(start + ((CLKOS2_CPHASE + 1 - CLKOS2_DIV) + os2 * CLKOS2_DIV / 2.0) * oscillator - $realtime);
-            end
+        forever begin
+            CLKOS2 = !CLKOS2;
+            os2 = os2 + 1;
+            #(start + ((CLKOS2_CPHASE + 1 - CLKOS2_DIV) + os2 * CLKOS2_DIV / 2.0) * oscillator - $realtime);
+        end
     end
     initial begin
         os3 = 0;
