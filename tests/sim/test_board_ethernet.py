@@ -35,7 +35,7 @@ PC, PC_ADDRESS = "02:00:00:00:00:01", "10.77.0.10"
 GVCP_FROM, GVSP_TO = 50000, 50001
 BEGINS_US = 8000            # when the chip has a link
 MODES = {"de2-115": SMALL, "colorlight-i9": None}
-COLOUR = {"de2-115": FAST, "colorlight-i9": GRADIENT}       # by shared tiles
+COLOUR = {"de2-115": FAST, "colorlight-i9": GRADIENT}       # its tiles share block RAMs
 # In the firmware, what makes the chip's clock to us late: as it is, and forgotten.
 RECEIVED_LATE = {"de2-115": ("0x0080 | BY_CHIP", "0x0000 | BY_CHIP"),
                  "colorlight-i9": ("0x8107", "0x8007")}
