@@ -61,9 +61,12 @@ class Steps:
         self.name, self.quiet = name, quiet
 
     def __call__(self, step):
+        global _open
         if sys.stderr.isatty():
-            end = "\n" if step == "done" else ""
-            print(f"\r{self.name}: {step}\x1b[K", end=end, file=sys.stderr, flush=True)
+            done = step == "done"
+            print(f"\r{self.name}: {step}\x1b[K", end="\n" if done else "", file=sys.stderr,
+                  flush=True)
+            _open = None if done else sys.stderr
         elif not self.quiet:
             print(f"{self.name}: {step}", file=sys.stderr, flush=True)
 

@@ -14,6 +14,7 @@ from ncdc.toolchain.bitstream import (
     synthesise_board,
     used_cells,
 )
+from ncdc.toolchain.ecp5_device import check_blocks
 from ncdc.toolchain.flows import SynthesisError
 from ncdc_boards.board import project_name
 from ncdc_boards.ecp5.build import clock_cells, clock_targets
@@ -49,7 +50,7 @@ def implemented(design, files, sources, steps, *, seeds, synthesize_only=False):
     Raises
     ------
     InputError
-        If a tool fails, or no run meets timing.
+        If a tool fails, the device has too few blocks, or no run meets timing.
     """
     name = project_name(design.board)
     rtlil, preferences = files.pop(f"{name}.il"), files[f"{name}.lpf"]
@@ -58,12 +59,14 @@ def implemented(design, files, sources, steps, *, seeds, synthesize_only=False):
         try:
             steps("synthesis: Yosys")
             netlist = synthesise_board(rtlil, name, folder, sources)
+            cells = used_cells(netlist)
+            check_blocks(design.board.device, cells)
             nets = clock_nets(netlist, clock_cells(design))
             preferences += clock_preferences(nets, clock_targets(design))
             files[f"{name}.lpf"] = preferences
             if synthesize_only:
                 return {f"{name}.json": json.dumps(netlist), **files}, {
-                    "cells": used_cells(netlist), "clocks": _targets(design)}
+                    "cells": cells, "clocks": _targets(design)}
             runs = []
             for seed in range(1, seeds + 1):
                 steps(f"place and route: nextpnr, seed {seed} of {seeds}")

@@ -1,16 +1,15 @@
 """Yosys, nextpnr and ecppack on a design for an ECP5."""
 
 import json
-import re
 from collections import Counter
 from dataclasses import dataclass
 
+from ncdc.toolchain.ecp5_device import DEVICE
 from ncdc.toolchain.flows import absorbed, call_tool, check_tools
 
 __all__ = ["Clock", "Placement", "clock_nets", "clock_preferences", "nextpnr_options", "pack",
            "place_and_route", "placement_of", "resources", "synthesise_board", "used_cells"]
 
-_DEVICE = re.compile(r"LFE5U-(\d+)F-(\d)BG(\d+)C")
 _NET = "$glbnet$"
 
 
@@ -41,7 +40,7 @@ class Placement:
 
 def nextpnr_options(device):
     """nextpnr's options for a device as Lattice calls it."""
-    size, speed, balls = _DEVICE.fullmatch(device).groups()
+    size, speed, balls = DEVICE.fullmatch(device).groups()
     return (f"--{size}k", "--package", f"CABGA{balls}", "--speed", speed)
 
 

@@ -14,12 +14,10 @@ from scipy.optimize import linear_sum_assignment
 from scipy.sparse import coo_matrix, diags
 from scipy.sparse.linalg import cg, eigsh
 
+from ncdc.toolchain.ecp5_device import BLOCKS
 from ncdc_spec.builds import built, key_of
 
-__all__ = ["BLOCKS", "add_sites", "sites_of"]
-
-BLOCKS = {"DP16KD": {"25": 56, "45": 108, "85": 208}, "MULT18X18D": {"25": 28, "45": 72, "85": 156}}
-"""Blocks of each kind that a device has, by its thousands of LUTs."""
+__all__ = ["add_sites", "sites_of"]
 
 _AREA = {"LUT4": 1, "CCU2C": 2, "TRELLIS_FF": 1, "TRELLIS_DPR16X4": 4}  # of the logic, half slices
 _SPREAD = 1.8           # half slices of the planned region for each one in use
@@ -36,7 +34,7 @@ def sites_of(size, call):
     Parameters
     ----------
     size : str
-        A key of the device in :data:`BLOCKS`.
+        A key of the device in :data:`ncdc.toolchain.ecp5_device.BLOCKS`.
     call : callable
         Runs nextpnr: ``call(folder, *arguments)``.
 

@@ -24,6 +24,7 @@ from ncdc.toolchain.bitstream import (
     synthesise_board,
     used_cells,
 )
+from ncdc.toolchain.ecp5_device import check_blocks
 from ncdc_boards.camera_board.budget import check_memory
 from ncdc_boards.camera_board.design import design_of, hardware_for, sensor_for
 from ncdc_boards.ulx3s.board import BOARD
@@ -88,6 +89,16 @@ def test_a_missed_clock_is_named():
     _check_clocks(Placement(1, (good,), {}), 3)
     with pytest.raises(InputError, match="core reaches 60.0 of 75.0 MHz in the best of 3"):
         _check_clocks(Placement(1, (good, bad), {}), 3)
+
+
+@pytest.mark.parametrize("cells,said", [
+    ({"DP16KD": 109}, "needs 109 block RAMs, the LFE5U-45F-6BG381C has 108"),
+    ({"MULT18X18D": 73}, "needs 73 multipliers, the LFE5U-45F-6BG381C has 72")])
+def test_blocks_that_the_device_does_not_have_are_named(cells, said):
+    device = "LFE5U-45F-6BG381C"
+    check_blocks(device, {"DP16KD": 108, "MULT18X18D": 72, "LUT4": 40_000})
+    with pytest.raises(InputError, match=said):
+        check_blocks(device, cells)
 
 
 @pytest.mark.longer

@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from ncdc.toolchain.floorplan import BLOCKS, _all_blocks, add_sites
+from ncdc.toolchain.ecp5_device import BLOCKS
+from ncdc.toolchain.floorplan import _all_blocks, add_sites
 
 # Two rows of each kind of block, which alternate as on the device.
 SITES = {"DP16KD": {f"X{x}/Y{y}/EBR0": (x, y) for y in (20, 60) for x in range(2, 62, 2)},

@@ -10,7 +10,7 @@ from textwrap import dedent
 import pytest
 
 from cameras import barrel_descriptor
-from ncdc.cli import build, main
+from ncdc.cli import build_open, main
 from ncdc.toolchain.bitstream import Clock, Placement
 from ncdc_bench.figures.guide_diagrams import DRAWINGS, draw_all
 from ncdc_model.example import BAYER, example_camera, scene_photo, target_photo
@@ -70,12 +70,14 @@ BOARD_FILES = {"start/board": {"ncdc_ulx3s.bit", "ncdc_ulx3s.v", "ncdc_registers
 @pytest.fixture
 def without_synthesis(monkeypatch):
     """Without synthesis and place and route, of which tests of their own run small ones."""
-    monkeypatch.setattr(build, "synthesise_board", lambda *design: {})
-    monkeypatch.setattr(build, "clock_nets", lambda netlist, cells: {})
-    monkeypatch.setattr(build, "clock_preferences", lambda nets, targets: "")
-    monkeypatch.setattr(build, "place", lambda folder, device, preferences, nets, seed: Placement(
-        seed, (Clock("sync", 62.5, 70.0),), Counter()))
-    monkeypatch.setattr(build, "pack", lambda folder, seed: b"bits")
+    monkeypatch.setattr(build_open, "synthesise_board", lambda *design: {
+        "modules": {"top": {"attributes": {"top": "1"}, "cells": {}}}})
+    monkeypatch.setattr(build_open, "clock_nets", lambda netlist, cells: {})
+    monkeypatch.setattr(build_open, "clock_preferences", lambda nets, targets: "")
+    monkeypatch.setattr(build_open, "place_and_route",
+                        lambda folder, device, preferences, nets, seed: Placement(
+                            seed, (Clock("sync", 62.5, 70.0),), Counter()))
+    monkeypatch.setattr(build_open, "pack", lambda folder, seed: b"bits")
 
 
 @pytest.mark.many_clocks

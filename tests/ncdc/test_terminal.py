@@ -6,7 +6,7 @@ import sys
 import pytest
 
 from ncdc import terminal
-from ncdc.terminal import Progress, end_line, say
+from ncdc.terminal import Progress, Steps, end_line, say
 
 
 class Stream(io.StringIO):
@@ -51,6 +51,14 @@ def test_what_is_said_in_between_has_a_line_of_its_own(log):
     steps(progress, 60, 80, 100)
     assert text.getvalue() == ("calibrate: 0 % 25 %\nwarning: one\nwarning: two\n"
                               "calibrate: 50 % 75 % 100 %, note 100\n")
+
+
+def test_an_error_after_a_step_has_a_line_of_its_own(monkeypatch):
+    monkeypatch.setattr(sys, "stderr", text := Stream(True))
+    Steps("build")("synthesis")
+    say("ncdc build: one")
+    say("ncdc build: two")
+    assert text.getvalue() == "\rbuild: synthesis\x1b[K\nncdc build: one\nncdc build: two\n"
 
 
 def test_two_steps_follow_each_other(log):
