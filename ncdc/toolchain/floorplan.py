@@ -20,6 +20,7 @@ from ncdc_spec.builds import built, key_of
 __all__ = ["add_sites", "sites_of"]
 
 _AREA = {"LUT4": 1, "CCU2C": 2, "TRELLIS_FF": 1, "TRELLIS_DPR16X4": 4}  # of the logic, half slices
+_FEWEST = 16            # blocks for a plan: with fewer, most clocks are faster without one
 _SPREAD = 1.8           # half slices of the planned region for each one in use
 _LARGEST = 150          # cells of a net that counts: larger nets reach everywhere
 _PAIRS = 6              # cells of a net that are pulled together pair by pair, not to its centre
@@ -71,7 +72,8 @@ def add_sites(netlist, top, sites):
     The plan is that of a quadratic placer: nets pull their cells together, the more the shorter
     they are, so that the sum of lengths is minimised. Logic is drawn to where it would be if
     spread evenly, blocks to sites, each step more strongly. Sites are assigned anew in each step
-    with the least sum of ways. The result is the same for the same netlist.
+    with the least sum of ways. The result is the same for the same netlist. A netlist of few
+    blocks gets no sites.
 
     Parameters
     ----------
@@ -86,7 +88,8 @@ def add_sites(netlist, top, sites):
     blocks = {kind: np.flatnonzero(kinds == kind) for kind in sites}
     blocks = {kind: those for kind, those in blocks.items() if len(those)}
     # Too many blocks for the device are nextpnr's to name.
-    if not blocks or any(len(those) > len(sites[kind]) for kind, those in blocks.items()):
+    if (sum(map(len, blocks.values())) < _FEWEST
+            or any(len(those) > len(sites[kind]) for kind, those in blocks.items())):
         return
     names = list(cells)
     for kind, chosen in _plan(cells, kinds, blocks, sites).items():

@@ -245,8 +245,9 @@ def test_one_netlist_for_all_seeds(monkeypatch, tmp_path):
 
     def call(tool, folder, *arguments):
         if "--no-route" in arguments:
-            cells = {kind: {"type": kind, "attributes": {"NEXTPNR_BEL": f"{at}/{kind}"}}
-                     for kind, at in (("DP16KD", "X9/Y20"), ("MULT18X18D", "X3/Y4"))}
+            cells = {at: {"type": kind, "attributes": {"NEXTPNR_BEL": f"{at}/{kind}"}}
+                     for kind, at in (("DP16KD", "X9/Y20"), *(
+                         ("MULT18X18D", f"X{x}/Y4") for x in range(3, 19)))}
             (folder / "placed.json").write_text(json.dumps({"modules": {"top": {"cells": cells}}}))
             return
         assert '"BEL": "X3/Y4/MULT18X18D"' in (folder / "netlist.json").read_text()
@@ -262,14 +263,16 @@ def test_one_netlist_for_all_seeds(monkeypatch, tmp_path):
 
     def netlist(verilog, top, *, progress):
         steps.append("Yosys")
-        cells = {"a": {"type": "MULT18X18D", "connections": {}},
+        cells = {**{f"p{k}": {"type": "MULT18X18D", "connections": {"A0": [6], "P0": [7 + k]},
+                              "port_directions": {"A0": "input", "P0": "output"},
+                              "parameters": {}} for k in range(16)},
                  "unread": {"type": "TRELLIS_FF", "connections": {"Q": [5]},
                             "port_directions": {"Q": "output"}}}
         return json.dumps({"modules": {top: {"ports": {}, "cells": cells}}})
     monkeypatch.setattr(synthesis_rows, "plain_netlist", netlist)
     row, = block_rows("neuron", "hidden", ["ecp5"], seeds=3)
     assert steps == ["Yosys", "1", "2", "3"]
-    assert row["fmax_seeds_mhz"] == [101.0, 102.0, 103.0] and row["dsp"] == 1
+    assert row["fmax_seeds_mhz"] == [101.0, 102.0, 103.0] and row["dsp"] == 16
     row, = block_rows("neuron", "hidden", ["ecp5"], seeds=3, plain=True)
     assert steps[4:] == ["1", "2", "3"]
     assert (row["fmax_mhz"], row["fmax_plain_mhz"]) == (102.0, 52.0)

@@ -89,10 +89,13 @@ def test_a_netlist_that_cannot_be_planned(changed):
     assert len(placed(netlist)) in (0, 2 * PARTS + 1)
 
 
-def test_a_netlist_without_blocks_is_as_before():
-    netlist = {"modules": {"top": {"cells": {"a": cell("LUT4", Z=[2], A=[3])}}}}
+@pytest.mark.parametrize("rams,planned", [(0, 0), (15, 0), (16, 16)])
+def test_a_netlist_of_few_blocks_is_as_before(rams, planned):
+    netlist = {"modules": {"top": {"cells": {
+        "a": cell("LUT4", Z=[2], A=[3]),
+        **{f"ram{k}": cell("DP16KD", DIA=[2], DOA=[3]) for k in range(rams)}}}}}
     add_sites(netlist, "top", SITES)
-    assert netlist == {"modules": {"top": {"cells": {"a": cell("LUT4", Z=[2], A=[3])}}}}
+    assert len(placed(netlist)) == planned
 
 
 @pytest.mark.parametrize("size", BLOCKS["DP16KD"])
