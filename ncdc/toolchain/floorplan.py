@@ -20,7 +20,7 @@ from ncdc_spec.builds import built, key_of
 __all__ = ["add_sites", "sites_of"]
 
 _AREA = {"LUT4": 1, "CCU2C": 2, "TRELLIS_FF": 1, "TRELLIS_DPR16X4": 4}  # of the logic, half slices
-_FEWEST = 16            # blocks for a plan: with fewer, most clocks are faster without one
+_MIN_BLOCKS = 16        # blocks for a plan: with fewer, most clocks are faster without one
 _SPREAD = 1.8           # half slices of the planned region for each one in use
 _LARGEST = 150          # cells of a net that counts: larger nets reach everywhere
 _PAIRS = 6              # cells of a net that are pulled together pair by pair, not to its centre
@@ -88,7 +88,7 @@ def add_sites(netlist, top, sites):
     blocks = {kind: np.flatnonzero(kinds == kind) for kind in sites}
     blocks = {kind: those for kind, those in blocks.items() if len(those)}
     # Too many blocks for the device are nextpnr's to name.
-    if (sum(map(len, blocks.values())) < _FEWEST
+    if (sum(map(len, blocks.values())) < _MIN_BLOCKS
             or any(len(those) > len(sites[kind]) for kind, those in blocks.items())):
         return
     names = list(cells)

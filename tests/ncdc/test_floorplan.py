@@ -1,5 +1,7 @@
 """Sites of blocks: next to what they are connected to."""
 
+import copy
+
 import numpy as np
 import pytest
 
@@ -94,8 +96,9 @@ def test_a_netlist_of_few_blocks_is_as_before(rams, planned):
     netlist = {"modules": {"top": {"cells": {
         "a": cell("LUT4", Z=[2], A=[3]),
         **{f"ram{k}": cell("DP16KD", DIA=[2], DOA=[3]) for k in range(rams)}}}}}
+    before = copy.deepcopy(netlist)
     add_sites(netlist, "top", SITES)
-    assert len(placed(netlist)) == planned
+    assert len(placed(netlist)) == planned and (netlist == before) == (not planned)
 
 
 @pytest.mark.parametrize("size", BLOCKS["DP16KD"])

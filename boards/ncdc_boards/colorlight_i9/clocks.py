@@ -15,7 +15,7 @@ REFERENCE_MHZ = 25                  # the module's oscillator, also the sensor's
 ETHERNET_MHZ = 125                  # clock of RGMII at any speed of the line
 DOMAINS = ("sync", "memory", "sensor_reference", "ethernet")
 _OSCILLATOR_MHZ = 500               # divided by integers for each of these clocks
-CORE_MHZ = _OSCILLATOR_MHZ / 14     # the processor, the slowest part, reached 43 MHz after routing
+CORE_MHZ = _OSCILLATOR_MHZ / 14     # the processor, the slowest part, reached 45 MHz after routing
 _EARLY = 2      # periods of the oscillator from the SDRAM's clock at its pin to the core's next one
 _RESET_CLOCKS = 64                  # length of the processor's reset
 
