@@ -117,7 +117,7 @@ def ideal_frame(points, size=None, zoom="fit"):
                       rms=float(np.sqrt(np.mean(distance**2))), rejected=rejected, along=along,
                       relief=shift, degrees=tuple(part.degree for part in fitted.relief),
                       names=tuple(photo.name for photo in photos), numbers=tuple(numbers),
-                      gross=gross, fits=tuple(Fit(one.vector, one.prior, one.flawed)
+                      gross=gross, fits=tuple(Fit(one.vector, one.prior, one.flaws)
                                               for one in fitted.fits))
 
 
