@@ -39,7 +39,7 @@ _GRAIN = 4             # steps of the prior's weight from one to its half
 _SETTLED = 0.8         # of the prior's last weight: with less the fit is repeated
 _SOME = 600            # points of all photos that are used in a search
 _ROUNDS = 6            # of fits, each with the prior's weight from the residual of the previous one
-_STARTS = 3            # guesses from which a fit with flaws is tried
+_STARTS = 3            # guesses from which a lens with flaws is searched
 
 
 def deviation(vector, size):
@@ -114,16 +114,18 @@ class Problem:
 
         ``enough``: pixels of the usual residual on one axis, below which no flaws are looked for.
         """
-        guesses = sorted((guess(self.size, focal * self.size[0], aspect, self.indices, self.points)
-                          for focal in _FOCALS for aspect in _ASPECTS),
-                         key=lambda guess: np.median(np.abs(self.residuals(guess))))
+        def usual(vector):
+            return np.median(np.abs(self.residuals(vector)))
+        guesses = sorted((min((guess(self.size, focal * self.size[0], aspect, self.indices,
+                                     self.points) for aspect in _ASPECTS), key=usual)
+                          for focal in _FOCALS), key=usual)
         if enough:
             best, _ = min(map(self.solved, guesses[:2]), key=lambda found: found[1])
             plain = self.settled(best, ())
             if self._left(plain[0]) < enough:
                 return *plain, ()
-        found = [self.solved(self.solved(guess)[0], 1.0, tuple(FLAWS)) for guess in
-                 guesses[:_STARTS]]
+        # Without its flaws first, a lens with pixels that are not square ends in other minima.
+        found = [self.solved(guess, 1.0, tuple(FLAWS)) for guess in guesses[:_STARTS]]
         return *self.settled(min(found, key=lambda fit: fit[1])[0], tuple(FLAWS)), tuple(FLAWS)
 
     def settled(self, vector, flaws):
