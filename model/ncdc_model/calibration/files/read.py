@@ -5,7 +5,15 @@ from pathlib import Path
 
 import numpy as np
 
-from ncdc_model.calibration.files import colmap, matlab, mrcal, nerf, realsense, ros_ini
+from ncdc_model.calibration.files import (
+    colmap,
+    matlab,
+    mccalib,
+    mrcal,
+    nerf,
+    realsense,
+    ros_ini,
+)
 from ncdc_model.calibration.files.camodocal import camodocal_lens, is_camodocal
 from ncdc_model.calibration.files.kalibr import is_camchain, kalibr_lens
 from ncdc_model.calibration.files.known import (
@@ -86,6 +94,8 @@ def _of_table(table, camera):
         return realsense.realsense_lens(table, camera)
     if nerf.is_nerf(table):
         return nerf.nerf_lens(table, camera)
+    if mccalib.is_mccalib(table):
+        return mccalib.mccalib_lens(table, camera)
     reject_known_table(table)
     return opencv_lens(table, camera)
 
