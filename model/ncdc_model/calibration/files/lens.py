@@ -7,7 +7,10 @@ import numpy as np
 from ncdc_model.lens.inverse import planar_inverse
 from ncdc_spec.errors import InputError
 
-__all__ = ["FileLens", "choose", "coefficients", "file_lens", "matrix_of", "numbers", "whole"]
+__all__ = ["UNBENT", "FileLens", "choose", "coefficients", "file_lens", "flag", "matrix_of", "numbers",
+           "single", "whole"]
+
+UNBENT = "the file holds no distortion coefficients: a lens without distortion is taken"
 
 
 @dataclass(frozen=True)
@@ -132,7 +135,7 @@ def matrix_of(fx, fy, cx, cy, skew=0.0):
 def _holds_bool(value):
     if isinstance(value, (list, tuple)):
         return any(map(_holds_bool, value))
-    return isinstance(value, (bool, np.bool_)) or getattr(value, "dtype", None) == bool
+    return isinstance(value, (bool, np.bool_)) or getattr(value, "dtype", None) is np.dtype(bool)
 
 
 def numbers(value, name, shape=None):
@@ -176,6 +179,14 @@ def single(value, name):
     if _holds_bool(value):
         raise InputError(f"the {name} is {str(value).lower()}, a number is needed")
     return float(value)
+
+
+def flag(value, name):
+    """Whether ``value``, true or false in any of the notations of the formats, is true."""
+    text = str(value).lower()
+    if text not in ("true", "false", "0", "1", "0.0", "1.0", "none"):
+        raise InputError(f"{name} is {value!r}, true or false is needed")
+    return text in ("true", "1", "1.0")
 
 
 def whole(value, name):

@@ -8,6 +8,8 @@ import numpy as np
 
 from ncdc_model.calibration.files.distortion import perspective
 from ncdc_model.calibration.files.lens import choose, file_lens, matrix_of, numbers, whole
+from ncdc_model.calibration.files.ocam import ocam_struct_lens
+from ncdc_model.calibration.files.unread import check_read
 from ncdc_spec.errors import InputError
 
 __all__ = ["is_script", "mat_lens", "script_lens"]
@@ -62,8 +64,14 @@ def mat_lens(content, camera=None):
         raise InputError(f"it is no .mat that can be read: {error}") from error
     if any(_NAME.fullmatch(name) and name.startswith("fc") for name in table):
         return _bouguet(table, camera)
+    if isinstance(model := table.get("ocam_model"), dict):
+        if camera is not None:
+            raise InputError(f"camera {camera} is asked for, the file holds one camera without a "
+                             f"name")
+        return ocam_struct_lens(model)
     if {"ocam_model", "calib_data"} & table.keys():
-        raise InputError("it is a file of OCamCalib, which is not supported")
+        raise InputError("it is a file of OCamCalib whose model is an object; export it with the "
+                         "toolbox's button Export Data, as calib_results.txt")
     structs = _structs(table)
     if not structs:
         raise InputError("it holds no camera: fc, cc and kc of Bouguet's toolbox or a struct is "
@@ -84,7 +92,7 @@ def _bouguet(table, camera):
     # The toolbox counts pixels from 0, unlike MATLAB.
     cx, cy = numbers(table["cc" + end], "principal point cc", (2,))
     alpha, = numbers(table.get("alpha_c" + end, 0.0), "skew alpha_c", (1,))
-    k = numbers(table.get("kc" + end, [0.0] * 5), "list of coefficients kc")
+    k = numbers(table["kc" + end], "list of coefficients kc")
     if len(k) == 4 and k.any():
         raise InputError("kc has 4 coefficients, which may be those of the toolbox's fisheye; with "
                          "a fifth one, 0, they are perspective")
@@ -125,6 +133,8 @@ def _parameters(table):
         raise InputError(f"RadialDistortion has {len(radial)} numbers, 2 or 3 are needed")
     tangential = numbers(table.get("TangentialDistortion", [0, 0]), "list TangentialDistortion",
                          (2,))
+    check_read(table, ("RadialDistortion", "TangentialDistortion", "Intrinsics",
+                       "NumRadialDistortionCoefficients", "EstimateTangentialDistortion"))
     k = np.array([*radial[:2], *tangential, *radial[2:], *[0.0] * (3 - len(radial))])
     rows_columns = np.ravel(table.get("ImageSize", ()))
     size = None

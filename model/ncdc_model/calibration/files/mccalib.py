@@ -48,5 +48,5 @@ def mccalib_lens(table, camera=None):
     name, distortion, count = _TYPES[kind]
     k = coefficients(entry["distortion_vector"], name, (count,))
     size = whole(entry["img_width"], "width"), whole(entry["img_height"], "height")
-    return file_lens(size, camera_matrix(entry["camera_matrix"]), partial(distortion, coefficients=k),
-                     f"MC-Calib {name}")
+    return file_lens(size, camera_matrix(entry["camera_matrix"]),
+                     partial(distortion, coefficients=k), f"MC-Calib {name}")

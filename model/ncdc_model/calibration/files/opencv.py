@@ -7,7 +7,15 @@ import numpy as np
 
 from ncdc_model.calibration.files.camera_info import rectified, windowed
 from ncdc_model.calibration.files.distortion import fisheye, perspective, unified_sphere
-from ncdc_model.calibration.files.lens import choose, coefficients, file_lens, numbers, whole
+from ncdc_model.calibration.files.lens import (
+    UNBENT,
+    choose,
+    coefficients,
+    file_lens,
+    flag,
+    numbers,
+    whole,
+)
 from ncdc_model.calibration.files.unread import check_read
 from ncdc_spec.errors import InputError
 
@@ -86,8 +94,7 @@ def opencv_lens(table, camera=None):
                                      "xi" in table), []
     values = first(table, _COEFFICIENTS, None)
     if values is None and name != "none":
-        warnings.append("the file holds no distortion coefficients: a lens without distortion is "
-                        "taken")
+        warnings.append(UNBENT)
     used = [next((key for key in names if table.get(key) is not None), None)
             for names in (_MATRIX, _COEFFICIENTS)]
     check_read(table, {*used, *_MODEL, *_SIZE["width"], *_SIZE["height"], *_BOTH, *_OTHERS},
@@ -100,7 +107,7 @@ def opencv_lens(table, camera=None):
 
 def opencv_model(table, name, values):
     """Name for reports and distortion of the model ``name`` with the coefficients ``values``."""
-    wide = name in _FISHEYE or bool(first(table, ("fisheye_model",), 0))
+    wide = name in _FISHEYE or flag(table.get("fisheye_model"), "fisheye_model")
     if not name and "K" in table and "D" in table:
         wide = wide or numbers(values, "distortion coefficients").size == 4
     if "xi" in table:

@@ -7,12 +7,16 @@ import numpy as np
 
 from ncdc_model.calibration.files import (
     colmap,
+    depthai,
     matlab,
     mccalib,
     mrcal,
     nerf,
+    ocam,
+    opensfm,
     realsense,
     ros_ini,
+    stella,
 )
 from ncdc_model.calibration.files.camodocal import camodocal_lens, is_camodocal
 from ncdc_model.calibration.files.kalibr import is_camchain, kalibr_lens
@@ -78,6 +82,8 @@ def _lens(suffix, content, camera):
                        (matlab.is_script, matlab.script_lens)):
         if fits(text):
             return read(text, camera)
+    if ocam.is_ocam(text):
+        return _only(ocam.ocam_lens(text), camera)
     if mrcal.is_mrcal(text):
         return _only(mrcal.mrcal_lens(text), camera)
     if printed := realsense.printed_cameras(text):
@@ -94,8 +100,13 @@ def _of_table(table, camera):
         return realsense.realsense_lens(table, camera)
     if nerf.is_nerf(table):
         return nerf.nerf_lens(table, camera)
-    if mccalib.is_mccalib(table):
-        return mccalib.mccalib_lens(table, camera)
+    for fits, read in ((mccalib.is_mccalib, mccalib.mccalib_lens),
+                       (depthai.is_depthai, depthai.depthai_lens),
+                       (opensfm.is_opensfm, opensfm.opensfm_lens)):
+        if fits(table):
+            return read(table, camera)
+    if stella.is_stella(table):
+        return _only(stella.stella_lens(table), camera)
     reject_known_table(table)
     return opencv_lens(table, camera)
 

@@ -11,12 +11,14 @@ from ncdc_model.calibration.files.distortion import (
 )
 from ncdc_model.calibration.files.lens import choose, file_lens, matrix_of, numbers, whole
 from ncdc_model.calibration.files.opencv import first
+from ncdc_model.calibration.files.unread import check_read
 from ncdc_spec.errors import InputError
 
 __all__ = ["is_realsense", "printed_cameras", "realsense_lens"]
 
 _MODELS = ("none", "modified_brown_conrady", "inverse_brown_conrady", "ftheta", "brown_conrady",
            "kannala_brandt4")
+_COEFFICIENTS = "coeffs", "coefficients", "distortion_coeffs"
 _BLOCK = re.compile(r"Intrinsic of \"(?P<name>[^\"]+)\"\s*/?\s*(?P<size>\d+x\d+)[^\n]*\n"
                     r"(?P<values>(?:[^\S\n]*[A-Za-z][^\n:]*:[^\n]*\n?)+)")
 
@@ -73,8 +75,9 @@ def realsense_lens(table, camera=None):
     if name not in _MODELS:
         raise InputError(f"the distortion model is {model!r}, one of {', '.join(_MODELS)} is "
                          f"needed")
-    k = numbers(first(chosen, ("coeffs", "coefficients", "distortion_coeffs")),
-                "list of coefficients", (5,))
+    k = numbers(first(chosen, _COEFFICIENTS), "list of coefficients", (5,))
+    used = next(key for key in _COEFFICIENTS if chosen.get(key) is not None)
+    check_read(chosen, (used, "model", "distortion_model", "distortion"))
     if name == "inverse_brown_conrady" and k.any():
         raise InputError("the model inverse_brown_conrady with coefficients is not supported, as "
                          "versions of librealsense differ in what they mean; calibrate the camera "

@@ -17,7 +17,8 @@ def table_of(text):
 
     OpenCV's FileStorage (a first line %YAML, or XML) is read by OpenCV, its matrices as
     arrays; JSON by Python, and any other YAML, ROS's among it, by PyYAML. A YAML file of several
-    documents, as ``rostopic echo`` prints them, is read if they differ in their header only.
+    documents, as ``rostopic echo`` prints them, is read if they differ in their header only. Tables
+    in a list are named by their places, from 0.
 
     Raises
     ------
@@ -27,7 +28,7 @@ def table_of(text):
     try:
         if text.startswith(("%YAML", "<?xml")):
             table = _opencv(text)
-        elif text.lstrip().startswith("{"):
+        elif text.lstrip().startswith(("{", "[{")):
             table = _json(text)
         else:
             table = _one([part for part in yaml.load_all(text, _Loader) if part is not None])
@@ -41,6 +42,8 @@ def table_of(text):
         if isinstance(error, InputError):
             raise
         raise InputError(f"it is no camera file: {error}") from error
+    if isinstance(table, list) and table and all(isinstance(part, dict) for part in table):
+        table = {str(place): part for place, part in enumerate(table)}
     if not isinstance(table, dict):
         raise InputError("it is no camera file: it holds no names and values")
     return table

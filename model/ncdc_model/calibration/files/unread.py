@@ -10,8 +10,8 @@ from ncdc_spec.errors import InputError
 __all__ = ["check_read", "may_bend"]
 
 # Parts of a name that speak of distortion, whole words of one, and names of one letter.
-_PARTS = re.compile(r"dist(?!anc|ribu)|coef|radial|tangen|decent|prism|poly(?!gon)|brown|fish_?eye|"
-                    r"kannala|omni|mirror|warp|zernike|spline|aberrat|mapping")
+_PARTS = re.compile(r"dist(?!anc|ribu)|coef|radial|tangen|decent|prism|poly(?!gon)|brown|"
+                    r"fish_?eye|kannala|omni|mirror|warp|zernike|spline|aberrat|mapping")
 _WORDS = re.compile(r"[dkpsab]\d{1,2}|[kp]_\d|kc|kb\d?|kappa_?\d*|xi|alpha|beta|gamma|lambda|"
                     r"tau_?[xy]?|omega|poly|ss|invpol|ocam|lens_?(model|params?|parameters?)")
 _LETTERS = frozenset("abcdkw")
@@ -21,19 +21,20 @@ _MODELS = re.compile(r"fish_?eye|equidist|kannala|omni|unified|double|eucm|divis
                      r"scaramuzza|ocam|brown|radtan|rational|plumb", re.IGNORECASE)
 # Words of which the names of other entries consist.
 _HARMLESS = frozenset("""
-    aabb accuracy applied area aspect auto average avg baseline binning bits board boards calibration
-    cam camera cameras center centre channels chess chessboard cols color colour columns comment
-    confidence corner corners count cov covariance created cx cy date datetime depth description dev
-    deviation deviations device do e enable err error errors essential exposure extrinsic extrinsics
-    f far file files flags focal focus fps frame framerate frames full fundamental fx fy gain grid
-    group h header height hfov id image images img imgpoints imgs index initial integer intrinsic
-    intrinsics is keypoints left length loading map mapx mapy marker matrices matrix max mean min
-    model mono mtx n name names nb near new nframes normal nr nsec nsecs num number objpoints offset
-    op optimal orientation original override p path paths pattern per pitch pixel ply point points
-    pose poses position principal proj projection q quality r rate ratio rectification rectified
-    rectify render reproj reprojection res resolution ret retval right rms roi rot rotation rotations
-    row rows rvec rvecs scale scene sd sec secs sensor seq serial setup sharpness side size skew
-    spacing square squares stamp std stereo t table target time timestamp total transform translation
+    aabb accuracy applied area aspect auto average avg baseline binning bits board boards
+    calibration cam camera cameras center centre channels chess chessboard colmap color colour
+    cols columns comment confidence corner corners count cov covariance created cx cy date
+    datetime depth description dev deviation deviations device do e enable err error errors
+    essential exposure extrinsic extrinsics f far file files flags focal focus fps frame
+    framerate frames full fundamental fx fy gain grid group h header height hfov id im image
+    images img imgpoints imgs index initial integer intrinsic intrinsics is keypoints left
+    length loading map mapx mapy marker matrices matrix max mean min model mono mtx n name names
+    nb near new nframes normal nr nsec nsecs num number objpoints offset op optimal orientation
+    original override p path paths pattern per pitch pixel ply point points pose poses position
+    principal proj projection q quality r rate ratio rectification rectified rectify render
+    reproj reprojection res resolution ret retval right rms roi rot rotation rotations row rows
+    rvec rvecs scale scene sd sec secs sensor seq serial setup sharpness side size skew spacing
+    square squares stamp std stereo t table target time timestamp total transform translation
     translations tvec tvecs unit units up used valid version vfov view views w width x y z
 """.split())
 
@@ -68,7 +69,8 @@ def check_read(table, read, bent=True):
         harmless = bent or set(_parts(name, "a-z")) <= _HARMLESS
         if numbers and not harmless:
             raise InputError(f"the file holds no distortion under a name that is known, and the "
-                             f"entry {path} may be some: rename it, or state distortion_model: none")
+                             f"entry {path} may be some: rename it, or state distortion_model: "
+                             f"none")
         waiting += [(f"{path}.{key}", name if isinstance(key, int) else str(key), part, harmless)
                     for key, part in _inner(value)]
 
@@ -112,7 +114,7 @@ def _inner(value):
 
 
 def _content(value):
-    """Whether ``value`` holds a number that is not 0, and whether it holds text."""
+    """Whether ``value`` holds a number that is not 0, and whether it holds text or true."""
     value = _plain(value)
     if isinstance(value, (dict, list, tuple)):
         found = [_content(part) for part in (value.values() if isinstance(value, dict) else value)]
@@ -121,4 +123,6 @@ def _content(value):
         text = value.strip().lower()
         return bool(re.search(r"[1-9]", text)) and not re.search("[a-df-z]", text), text not in (
             "", "none", "no", "off", "false", "null") and not re.fullmatch(r"[-+0.,;\s\[\]]*", text)
-    return isinstance(value, (int, float, np.number, np.bool_)) and bool(value), False
+    if isinstance(value, (bool, np.bool_)):
+        return False, bool(value)
+    return isinstance(value, (int, float, np.number)) and bool(value), False
