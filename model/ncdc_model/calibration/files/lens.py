@@ -7,8 +7,8 @@ import numpy as np
 from ncdc_model.lens.inverse import planar_inverse
 from ncdc_spec.errors import InputError
 
-__all__ = ["UNBENT", "FileLens", "choose", "coefficients", "file_lens", "flag", "matrix_of", "numbers",
-           "single", "whole"]
+__all__ = ["UNBENT", "FileLens", "choose", "coefficients", "file_lens", "flag", "matrix_of",
+           "numbers", "single", "whole"]
 
 UNBENT = "the file holds no distortion coefficients: a lens without distortion is taken"
 

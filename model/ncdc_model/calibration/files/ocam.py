@@ -35,7 +35,7 @@ def ocam_lens(text):
     lines = [line.split("#")[0].split() for line in text.splitlines()]
     lines = [[float(part) for part in line] for line in lines if line]
     if len(lines) != 5:
-        raise InputError(f"it is an OCamCalib file of {len(lines)} lines of numbers, 5 are needed: "
+        raise InputError(f"it is an OCamCalib file with {len(lines)} lines of numbers, 5 are needed: "
                          f"two polynomials, centre, affine parameters, height and width")
     for line, name in zip(lines, ("polynomial", "inverse polynomial")):
         if line[0] != len(line) - 1:
@@ -108,7 +108,7 @@ def _compared(direct, inverse, reach):
     again = np.polynomial.Polynomial(inverse)(np.arctan(direct(radii) / radii))
     off = float(np.abs(again - radii).max())
     if off > _WRONG:
-        raise InputError(f"the two polynomials differ by {off:.3g} px, {_WRONG:g} px are the limit: "
-                         f"they are not of the same camera")
+        raise InputError(f"the two polynomials differ by {off:.3g} px, {_WRONG:g} px are the "
+                         f"limit: they are not of the same camera")
     return (f"the two polynomials differ by {off:.2f} px, the direct one is taken",) * (
         off > _AGREE)

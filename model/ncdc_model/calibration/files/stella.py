@@ -37,8 +37,8 @@ def stella_lens(table):
         If a value is missing or of the wrong kind.
     """
     if any(str(name).partition(".")[0] == "StereoRectifier" for name in table):
-        raise InputError("it is a stella_vslam file with a StereoRectifier, whose Camera is that of "
-                         "rectified pictures; write K, D and size of one side as an OpenCV file")
+        raise InputError("it is a stella_vslam file with a StereoRectifier, whose Camera is that "
+                         "of rectified pictures; write K, D and size of one side as an OpenCV file")
     camera = _camera(table)
     model = str(camera["model"]).lower()
     if model not in _MODELS:
