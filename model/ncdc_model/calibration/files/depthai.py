@@ -4,6 +4,7 @@ from functools import partial
 
 from ncdc_model.calibration.files.distortion import fisheye, perspective
 from ncdc_model.calibration.files.lens import (
+    UNBENT,
     choose,
     coefficients,
     file_lens,
@@ -32,7 +33,7 @@ def depthai_lens(table, camera=None):
     """:class:`FileLens` of one socket, CAM_A, CAM_B ...; only calibrated ones count.
 
     cameraType 0 is OpenCV's perspective model with up to 14 coefficients, 1 its fisheye, of whose
-    list the first four count. Files without cameraType, before version 6, are perspective.
+    list the first four count; others must be 0.
 
     Raises
     ------
@@ -49,7 +50,7 @@ def depthai_lens(table, camera=None):
     camera = choose(sorted(sockets), camera)
     entry = sockets[camera]
     check_read(entry, _READ)
-    kind = single(entry.get("cameraType", 0), "cameraType")
+    kind = single(entry["cameraType"], "cameraType")
     if kind not in _TYPES:
         raise InputError(f"{camera} has the cameraType {kind:g} of DepthAI, 0 (perspective) or 1 "
                          f"(fisheye) is needed")
@@ -57,4 +58,5 @@ def depthai_lens(table, camera=None):
     k = coefficients(entry["distortionCoeff"], name, allowed)
     size = whole(entry["width"], "width"), whole(entry["height"], "height")
     return file_lens(size, camera_matrix(entry["intrinsicMatrix"]),
-                     partial(distortion, coefficients=k), f"DepthAI {camera} {name}")
+                     partial(distortion, coefficients=k), f"DepthAI {camera} {name}",
+                     warnings=() if entry["distortionCoeff"] else (UNBENT,))

@@ -16,7 +16,7 @@ _TEXTS = (
     ("a CAHVOR model", r"(?m)^Model = CAHV"),
     ("a Hugin project", r"(?m)^p f\d+ w\d+ h\d+"),
     ("a Bundler file", r"^# Bundle file"),
-    ("a Pix4D camera file", r"(?m)^\s*(Pix4D camera calibration file|FOCAL \d|IMWIDTH \d)"),
+    ("a Pix4D camera file", r"(?m)^[ \t]*(Pix4D camera calibration file|FOCAL \d|IMWIDTH \d)"),
     ("a COLMAP images.txt", r"# Image list with two lines of data per image"),
     ("a COLMAP points3D.txt", r"# 3D point list with one line of data per point"),
     ("a points file of ncdc export --style discorpy", r"^photo,direction,line,y,x"),

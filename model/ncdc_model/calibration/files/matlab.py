@@ -15,12 +15,12 @@ from ncdc_spec.errors import InputError
 __all__ = ["is_script", "mat_lens", "script_lens"]
 
 _NAME = re.compile(r"(fc|cc|kc|alpha_c|nx|ny)(?:_(left|right))?")
-_VALUE = re.compile(r"(?m)^\s*(\w+)\s*=\s*(\[[^\]]*\]|[^;%\n]*)")
+_VALUE = re.compile(r"(?m)^[ \t]*(\w+)[ \t]*=[ \t]*(\[[^\]]*\]|[^;%\n]*)")
 
 
 def is_script(text):
     """Whether ``text`` is a Calib_Results.m."""
-    return re.search(r"(?m)^\s*fc(_left|_right)?\s*=\s*\[", text) is not None
+    return re.search(r"(?m)^[ \t]*fc(_left|_right)?[ \t]*=[ \t]*\[", text) is not None
 
 
 def script_lens(text, camera=None):
@@ -59,7 +59,11 @@ def mat_lens(content, camera=None):
                          "-v7")
     import scipy.io  # takes a tenth of a second
     try:
-        table = scipy.io.loadmat(BytesIO(content), simplify_cells=True)
+        kinds = {name: kind for name, _, kind in scipy.io.whosmat(BytesIO(content))}
+        # Not the photos, which may be among them.
+        wanted = [name for name, kind in kinds.items()
+                  if _NAME.fullmatch(name) or kind in ("struct", "object")]
+        table = scipy.io.loadmat(BytesIO(content), simplify_cells=True, variable_names=wanted)
     except Exception as error:      # scipy raises many kinds for a broken file
         raise InputError(f"it is no .mat that can be read: {error}") from error
     if any(_NAME.fullmatch(name) and name.startswith("fc") for name in table):
@@ -69,7 +73,7 @@ def mat_lens(content, camera=None):
             raise InputError(f"camera {camera} is asked for, the file holds one camera without a "
                              f"name")
         return ocam_struct_lens(model)
-    if {"ocam_model", "calib_data"} & table.keys():
+    if {"ocam_model", "calib_data"} & kinds.keys():
         raise InputError("it is a file of OCamCalib whose model is an object; export it with the "
                          "toolbox's button Export Data, as calib_results.txt")
     structs = _structs(table)

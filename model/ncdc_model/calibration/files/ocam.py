@@ -11,6 +11,7 @@ __all__ = ["is_ocam", "ocam_lens", "ocam_struct_lens"]
 
 _STEPS = 4096          # of the table from which Newton's method starts
 _AGREE = .1            # pixels: difference of the two polynomials that is warned of
+_MOST = 64             # coefficients, as in the toolbox's C code
 _WRONG = 5.0           # pixels: difference at which one of them must be wrong
 
 
@@ -35,9 +36,11 @@ def ocam_lens(text):
     lines = [line.split("#")[0].split() for line in text.splitlines()]
     lines = [[float(part) for part in line] for line in lines if line]
     if len(lines) != 5:
-        raise InputError(f"it is an OCamCalib file with {len(lines)} lines of numbers, 5 are needed: "
-                         f"two polynomials, centre, affine parameters, height and width")
+        raise InputError(f"it is an OCamCalib file with {len(lines)} lines of numbers, 5 are "
+                         f"needed: two polynomials, centre, affine parameters, height and width")
     for line, name in zip(lines, ("polynomial", "inverse polynomial")):
+        if len(line) > _MOST:
+            raise InputError(f"the {name} has {len(line) - 1} coefficients, the limit is {_MOST}")
         if line[0] != len(line) - 1:
             raise InputError(f"the {name} has {len(line) - 1} coefficients, {line[0]:g} are stated")
     (_, *direct), (_, *inverse), centre, affine, size = lines

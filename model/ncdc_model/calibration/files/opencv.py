@@ -30,6 +30,7 @@ _SIZE = {"width": ("image_width", "image_Width", "imageWidth", "width"),
 _BOTH = ("image_size", "imageSize", "img_size", "resolution")
 _OTHERS = ("xi", "fisheye_model", "rectification_matrix", "projection_matrix", "R", "P", "header",
            "binning_x", "binning_y", "roi")
+_MOST = 64             # radial coefficients of BoofCV
 _FULL = 4, 5, 8, 12, 14
 _PERSPECTIVE = {"plumb_bob": (4, 5), "rational_polynomial": (4, 5, 8), "thin_prism": _FULL[:4],
                 "pinhole": _FULL, "opencv": _FULL, "brown": _FULL, "brown_conrady": _FULL,
@@ -178,6 +179,8 @@ def _omnidirectional(table):
         [pinhole["fx"], pinhole["fy"], pinhole["cx"], pinhole["cy"], pinhole.get("skew", 0.0),
          bends.get("t1", 0.0), bends.get("t2", 0.0), table["mirror_offset"]], "camera", (8,))
     radial = numbers(bends.get("radial") or [0.0], "radial coefficients")
+    if len(radial) > _MOST:
+        raise InputError(f"radial holds {len(radial)} coefficients, the limit is {_MOST}")
     check_read(table, ("pinhole", "radial_tangential", "mirror_offset", *_MODEL))
     check_read({**pinhole, **bends}, ("width", "height", "fx", "fy", "cx", "cy", "skew", "radial",
                                       "t1", "t2"))

@@ -3,6 +3,8 @@
 import re
 from functools import partial
 
+import numpy as np
+
 from ncdc_model.calibration.files.distortion import (
     field_of_view,
     fisheye,
@@ -18,6 +20,7 @@ __all__ = ["is_realsense", "printed_cameras", "realsense_lens"]
 
 _MODELS = ("none", "modified_brown_conrady", "inverse_brown_conrady", "ftheta", "brown_conrady",
            "kannala_brandt4")
+_MODEL = "model", "distortion_model", "distortion"
 _COEFFICIENTS = "coeffs", "coefficients", "distortion_coeffs"
 _BLOCK = re.compile(r"Intrinsic of \"(?P<name>[^\"]+)\"\s*/?\s*(?P<size>\d+x\d+)[^\n]*\n"
                     r"(?P<values>(?:[^\S\n]*[A-Za-z][^\n:]*:[^\n]*\n?)+)")
@@ -68,7 +71,7 @@ def realsense_lens(table, camera=None):
     if camera is not None and list(cameras) == [""]:
         raise InputError(f"camera {camera} is asked for, the file holds one camera without a name")
     chosen = cameras[choose(cameras, camera)]
-    model = first(chosen, ("model", "distortion_model", "distortion"))
+    model = first(chosen, _MODEL)
     name = re.sub(r"^(rs2?_distortion_|distortion\.)", "", str(model).strip().lower())
     name = re.sub(r"[\s\-]+", "_", name)
     name = _MODELS[int(name)] if name.isdecimal() and int(name) < len(_MODELS) else name
@@ -77,7 +80,7 @@ def realsense_lens(table, camera=None):
                          f"needed")
     k = numbers(first(chosen, _COEFFICIENTS), "list of coefficients", (5,))
     used = next(key for key in _COEFFICIENTS if chosen.get(key) is not None)
-    check_read(chosen, (used, "model", "distortion_model", "distortion"))
+    check_read(chosen, (used, *(key for key in _MODEL if np.isscalar(chosen.get(key)))))
     if name == "inverse_brown_conrady" and k.any():
         raise InputError("the model inverse_brown_conrady with coefficients is not supported, as "
                          "versions of librealsense differ in what they mean; calibrate the camera "

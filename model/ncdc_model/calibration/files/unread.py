@@ -12,8 +12,8 @@ __all__ = ["check_read", "may_bend"]
 # Parts of a name that speak of distortion, whole words of one, and names of one letter.
 _PARTS = re.compile(r"dist(?!anc|ribu)|coef|radial|tangen|decent|prism|poly(?!gon)|brown|"
                     r"fish_?eye|kannala|omni|mirror|warp|zernike|spline|aberrat|mapping")
-_WORDS = re.compile(r"[dkpsab]\d{1,2}|[kp]_\d|kc|kb\d?|kappa_?\d*|xi|alpha|beta|gamma|lambda|"
-                    r"tau_?[xy]?|omega|poly|ss|invpol|ocam|lens_?(model|params?|parameters?)")
+_WORDS = re.compile(r"[dkpsab]\d{1,2}|[kp]_\d|[dk]_(left|right|[lr\d])|kc|kb\d?|kappa_?\d*|xi|"
+                    r"alpha|beta|gamma|lambda|tau_?[xy]?|omega|poly|ss|invpol|ocam|lens_?(model|params?|parameters?)")
 _LETTERS = frozenset("abcdkw")
 # Text that names a model of distortion, in an entry that states a kind.
 _KIND = re.compile(r"type|model|projection|lens")
@@ -24,8 +24,8 @@ _HARMLESS = frozenset("""
     aabb accuracy applied area aspect auto average avg baseline binning bits board boards
     calibration cam camera cameras center centre channels chess chessboard colmap color colour
     cols columns comment confidence corner corners count cov covariance created cx cy date
-    datetime depth description dev deviation deviations device do e enable err error errors
-    essential exposure extrinsic extrinsics f far file files flags focal focus fps frame
+    datetime depth description dev deviation deviations device distance do e enable err error
+    errors essential exposure extrinsic extrinsics f far file files flags focal focus fps frame
     framerate frames full fundamental fx fy gain grid group h header height hfov id im image
     images img imgpoints imgs index initial integer intrinsic intrinsics is keypoints left
     length loading map mapx mapy marker matrices matrix max mean min model mono mtx n name names
