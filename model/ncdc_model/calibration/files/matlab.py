@@ -1,8 +1,10 @@
 """MATLAB cameras: Bouguet's Calib_Results.m and .mat, and structs of cameraParameters."""
 
+import pickle
 import re
+import subprocess
+import sys
 from functools import partial
-from io import BytesIO
 
 import numpy as np
 
@@ -15,6 +17,21 @@ from ncdc_spec.errors import InputError
 __all__ = ["is_script", "mat_lens", "script_lens"]
 
 _NAME = re.compile(r"(fc|cc|kc|alpha_c|nx|ny)(?:_(left|right))?")
+# Reads a .mat in a process of its own, as damaged ones end SciPy by a segmentation fault. Photos,
+# which may be among the variables, are left out.
+_LOAD = """
+import pickle, re, sys
+from io import BytesIO
+import scipy.io
+content = BytesIO(sys.stdin.buffer.read())
+kinds = {name: kind for name, _, kind in scipy.io.whosmat(content)}
+wanted = [name for name, kind in kinds.items()
+          if re.fullmatch(sys.argv[1], name) or kind in ("struct", "object")]
+content.seek(0)
+table = scipy.io.loadmat(content, simplify_cells=True, variable_names=wanted)
+pickle.dump((kinds, table), sys.stdout.buffer)
+"""
+_SECONDS = 60          # of a .mat of the largest size
 _VALUE = re.compile(r"(?m)^[ \t]*(\w+)[ \t]*=[ \t]*(\[[^\]]*\]|[^;%\n]*)")
 
 
@@ -57,15 +74,7 @@ def mat_lens(content, camera=None):
     if content.startswith(b"\x89HDF") or b"MATLAB 7.3" in content[:128]:
         raise InputError("it is a .mat of version 7.3, which is not supported; save it with "
                          "-v7")
-    import scipy.io  # takes a tenth of a second
-    try:
-        kinds = {name: kind for name, _, kind in scipy.io.whosmat(BytesIO(content))}
-        # Not the photos, which may be among them.
-        wanted = [name for name, kind in kinds.items()
-                  if _NAME.fullmatch(name) or kind in ("struct", "object")]
-        table = scipy.io.loadmat(BytesIO(content), simplify_cells=True, variable_names=wanted)
-    except Exception as error:      # scipy raises many kinds for a broken file
-        raise InputError(f"it is no .mat that can be read: {error}") from error
+    kinds, table = _loaded(content)
     if any(_NAME.fullmatch(name) and name.startswith("fc") for name in table):
         return _bouguet(table, camera)
     if isinstance(model := table.get("ocam_model"), dict):
@@ -81,6 +90,21 @@ def mat_lens(content, camera=None):
         raise InputError("it holds no camera: fc, cc and kc of Bouguet's toolbox or a struct is "
                          "needed; an object is saved as one by toStruct(cameraParams)")
     return _parameters(structs[choose(structs, camera)])
+
+
+def _loaded(content):
+    """Class of each variable of a .mat, and the values of those that may be a camera."""
+    try:
+        done = subprocess.run([sys.executable, "-c", _LOAD, _NAME.pattern], input=content,
+                              capture_output=True, timeout=_SECONDS)
+    except subprocess.TimeoutExpired as error:
+        raise InputError(f"it is no .mat that can be read: SciPy takes more than {_SECONDS} s"
+                         ) from error
+    if done.returncode:
+        reason = done.stderr.decode(errors="replace").strip().splitlines()[-1:]
+        raise InputError(f"it is no .mat that can be read: "
+                         f"{reason[0] if reason else 'SciPy ended while it read it'}")
+    return pickle.loads(done.stdout)
 
 
 def _bouguet(table, camera):

@@ -72,7 +72,7 @@ def nerf_lens(table, camera=None):
                          "to correct")
     model = str(table.get("camera_model") or "").upper()
     wide = flag(table.get("is_fisheye"), "is_fisheye") or model == "OPENCV_FISHEYE"
-    bent = bool({*_RADIAL, *_TANGENTIAL} & table.keys())
+    bent = any(table.get(name) is not None for name in _RADIAL + _TANGENTIAL)
     check_read(table, (*_OWN, "frames"), bent or wide or model in _PINHOLE)
     size = None
     if "w" in table or "h" in table or "fl_x" not in table:
