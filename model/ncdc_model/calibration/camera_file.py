@@ -64,7 +64,8 @@ def load_camera_map(path, size=None, zoom=None, camera=None, sensor=None):
     """Read a camera file and choose the corrected frame.
 
     The formats are those of :mod:`ncdc_model.calibration.files`: OpenCV, ROS, BoofCV, Kalibr,
-    camodocal, COLMAP, mrcal, MATLAB, RealSense, NeRF; and the camera file (TOML) of
+    camodocal, COLMAP, mrcal, MATLAB, RealSense, NeRF, MC-Calib, OCamCalib, DepthAI, OpenSfM,
+    stella_vslam; and the camera file (TOML) of
     :class:`ncdc_model.lens.Camera`.
 
     Parameters

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from ncdc_model.calibration.files.lens import flag, numbers
+from ncdc_model.calibration.files.lens import flag, numbers, single
 from ncdc_model.lens.frame import Frame
 from ncdc_spec.errors import InputError
 
@@ -130,7 +130,7 @@ def _check_binning(lens, binning, size):
 
 
 def _count(value, name):
-    number = float(value)
+    number = single(value, name)
     if number != int(number) or number < 0:
         raise InputError(f"{name} is {number:g}, a whole number from 0 on is needed")
     return int(number)

@@ -57,7 +57,8 @@ def script_lens(text, camera=None):
             try:
                 table[name] = [float(part) for part in plain.split()]
             except ValueError as error:
-                raise InputError(f"{name} is {value.strip()}, numbers are needed") from error
+                raise InputError(f"{name} is {' '.join(value.split())}, numbers are "
+                                 f"needed") from error
     return _bouguet(table, camera)
 
 

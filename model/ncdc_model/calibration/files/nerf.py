@@ -93,7 +93,8 @@ def nerf_lens(table, camera=None):
         raise InputError(f"the camera model is {model}, OPENCV or OPENCV_FISHEYE is needed")
     cx, cy = (table[name] if size is None else table.get(name, side / 2)
               for name, side in zip(("cx", "cy"), size or (0, 0)))
-    return file_lens(size, matrix_of(fx, fy, float(cx) - _CORNER, float(cy) - _CORNER), distortion,
+    matrix = matrix_of(fx, fy, single(cx, "cx") - _CORNER, single(cy, "cy") - _CORNER)
+    return file_lens(size, matrix, distortion,
                      f"NeRF {model or 'OPENCV'}", warnings=() if bent else (UNBENT,))
 
 
@@ -103,4 +104,4 @@ def _number(table, name):
 
 
 def _focal(side, angle):
-    return side / 2 / np.tan(float(angle) / 2)
+    return side / 2 / np.tan(single(angle, "camera angle") / 2)

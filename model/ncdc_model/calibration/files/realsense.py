@@ -85,6 +85,9 @@ def realsense_lens(table, camera=None):
         raise InputError("the model inverse_brown_conrady with coefficients is not supported, as "
                          "versions of librealsense differ in what they mean; calibrate the camera "
                          "as brown_conrady, or make a map")
+    if name == "none" and k.any():
+        raise InputError(f"the distortion model is none, with coefficients that are not 0; one of "
+                         f"{', '.join(_MODELS[1:])} uses them")
     distortion = {"brown_conrady": partial(perspective, coefficients=k),
             "modified_brown_conrady": partial(modified_brown, coefficients=k),
             "kannala_brandt4": partial(fisheye, coefficients=k[:4]),
