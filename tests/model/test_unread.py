@@ -75,6 +75,13 @@ def test_a_file_that_states_none_may_hold_what_it_likes(tmp_path):
         read(tmp_path, table | {"k1": .1})
 
 
+def test_a_nerf_camera_without_distortion(tmp_path):
+    table = {name: value for name, value in NERF.items() if name != "k1"}
+    assert read(tmp_path, table | {"k1": None, "aabb_scale": 16}).warnings
+    with pytest.raises(InputError, match="no distortion under .*, and the entry bowing may be"):
+        read(tmp_path, table | {"bowing": .1})
+
+
 def test_coefficients_that_are_missing(tmp_path):
     for table, name in ((KALIBR, "distortion_coeffs"), (REALSENSE, "coeffs")):
         table = json.loads(json.dumps(table))

@@ -96,7 +96,7 @@ def _radius(direct, reach):
 
     def radius(angle):
         rho = np.interp(angle, angles[:end], radii[:end], right=np.nan)
-        for _ in range(3):      # Newton's method: the table is a 1e-4 of a pixel off
+        for _ in range(2):      # Newton's method: the table is a 1e-4 of a pixel off
             z = -direct(rho)
             rho = rho - (np.arctan2(rho, z) - angle) * (rho**2 + z**2) / (z + rho * slope(rho))
         return rho
