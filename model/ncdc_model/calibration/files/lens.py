@@ -185,7 +185,7 @@ def flag(value, name):
     """Whether ``value``, true or false in any of the notations of the formats, is true."""
     text = str(value).lower()
     if text not in ("true", "false", "0", "1", "0.0", "1.0", "none"):
-        raise InputError(f"{name} is {value!r}, true or false is needed")
+        raise InputError(f"{name} is {' '.join(repr(value).split())[:60]}, true or false is needed")
     return text in ("true", "1", "1.0")
 
 
