@@ -16,7 +16,7 @@ from ncdc.cli.common import raw_frame, write_report
 from ncdc.cli.view_angles import view_of
 from ncdc.terminal import Progress, Steps, say
 from ncdc_model.correction import coloured, correct, correction_of, default_model
-from ncdc_model.images import FILMS, is_film, mosaic, write_image
+from ncdc_model.images import FILMS, is_film_name, mosaic, write_image
 from ncdc_model.pc_camera import is_pc_camera, opened_camera
 from ncdc_model.raw_dump import RawDump
 from ncdc_model.remap_tables import remap_tables
@@ -141,8 +141,24 @@ def correct_film(args, path):
     """Correct the film ``path``, in its colours or as raw frames."""
     from ncdc_model.film import change_film
     sequence, changed = _film_change(args, path)
-    change_film(path, args.output, sequence.size, changed, say, Progress("correcting"))
-    _report_film(args, sequence)
+    made = change_film(path, args.output, sequence.size, changed, say, Progress("correcting"))
+    if args.film == _MOSAIC and made.source_bits > made.bits:
+        say(f"--film {_MOSAIC} corrects samples of 8 bits, as the hardware does: the "
+            f"{made.source_bits} bits of {path} are rounded")
+    return _film_state(args, path, sequence, made)
+
+
+def _film_state(args, path, sequence, made):
+    """Write the report, and say what is damaged; the exit status."""
+    if made.skipped or made.repaired:
+        say(f"{path} is damaged: {made.skipped} packets gave no picture, {made.repaired} pictures "
+            f"are as the decoder has repaired them")
+    if made.cut_off:
+        of = f" of {made.expected}" if made.expected > made.pictures else ""
+        say(f"{path} is cut off: {made.pictures}{of} pictures are written")
+    _report_film(args, sequence, {"bits": made.bits, "packets_skipped": made.skipped,
+                                  "pictures_repaired": made.repaired, "cut_off": made.cut_off})
+    return int(made.cut_off)
 
 
 def correct_camera(args, name):
@@ -157,7 +173,9 @@ def correct_camera(args, name):
     with opened_camera(name) as camera, writing_film(args.output, size, _rate(camera.rate)) as film:
         try:
             while args.frames is None or sequence.count < args.frames:
-                film.write(changed(camera.read(), 0.0))
+                picture = camera.read()
+                film.write(changed(picture, 0.0) if changed.rgb else changed(
+                    [picture], 0.0, lambda colour: (colour,))[0])
                 shown(f"{sequence.count} frames, {sequence.rate:.1f} per second")
         except KeyboardInterrupt:
             if not sequence.count:
@@ -166,11 +184,9 @@ def correct_camera(args, name):
 
 
 def _film_change(args, name):
-    """:class:`_Sequence`, and the function that corrects an RGB picture of a film or a camera.
-
-    The function takes the picture, and the seconds since the film began.
-    """
-    if not is_film(args.output):
+    """:class:`_Sequence`, and the function that corrects a picture of a film or a camera, as of
+    :func:`ncdc_model.film.changing.change_film`."""
+    if not is_film_name(args.output):
         what = "a camera, whose pictures become a film" if is_pc_camera(name) else "a film"
         raise InputError(f"{name} is {what}, {args.output} is none: films are written as one of "
                          f"{', '.join(FILMS)}")
@@ -181,28 +197,35 @@ def _film_change(args, name):
     geometry = sequence.descriptor.geometry
     if args.film == _MOSAIC:
         def change(picture, seconds):
+            _check_size(name, picture, geometry)
             return sequence.picture(mosaic(picture, geometry.bayer), seconds)
     else:
-        change = _remapping(sequence, _KERNELS[args.film])
+        remapped = _remapping(sequence, _KERNELS[args.film])
 
-    def changed(picture, seconds):
-        if picture.shape[1::-1] != geometry.distorted:
-            raise InputError("{} has {}x{} pixels, the descriptor is for {}x{}".format(
-                name, *picture.shape[1::-1], *geometry.distorted))
-        return change(picture, seconds)
+        def change(planes, seconds, samples_of):
+            _check_size(name, planes[0], geometry)
+            return remapped(planes, seconds, samples_of(geometry.fill))
+    change.rgb = args.film == _MOSAIC
     say(f"{name}: its pictures are " + (
         f"mosaiced as {geometry.bayer} and corrected as the hardware does" if args.film == _MOSAIC
         else f"remapped in their colours ({args.film}), not by the hardware's arithmetic"))
-    return sequence, changed
+    return sequence, change
 
 
-def _report_film(args, sequence):
+def _check_size(name, picture, geometry):
+    if picture.shape[1::-1] != geometry.distorted:
+        raise InputError("{} has {}x{} pixels, the descriptor is for {}x{}".format(
+            name, *picture.shape[1::-1], *geometry.distorted))
+
+
+def _report_film(args, sequence, state=None):
     how = {"model": sequence.model} if args.film == _MOSAIC else {}
-    sequence.report({"film": args.film, **how})
+    sequence.report({"film": args.film, **how, **(state or {})})
 
 
 def _remapping(sequence, kernel):
-    """Function that remaps pictures of finished colours by the map of a descriptor or a view."""
+    """Function that remaps the planes of a picture of finished colours by the map of a descriptor
+    or a view; each has its own sample where there is no source."""
     if sequence.view:
         maps = sequence.view.maps
     else:
@@ -211,13 +234,15 @@ def _remapping(sequence, kernel):
 
         def maps(seconds):
             return still
-    fill = np.full((*sequence.size[::-1], 3), sequence.descriptor.geometry.fill, np.uint8)
 
-    def remapped(picture, seconds):
+    def remapped(planes, seconds, fills):
         sequence.count += 1
         map_x, map_y, blank = maps(seconds)
-        found = cv2.remap(picture, map_x, map_y, kernel, borderMode=cv2.BORDER_REPLICATE)
-        return cv2.copyTo(fill, blank.view(np.uint8), found)
+        found = [cv2.remap(plane, map_x, map_y, kernel, borderMode=cv2.BORDER_REPLICATE)
+                 for plane in planes]
+        for plane, fill in zip(found, fills):
+            plane[blank] = fill
+        return found
     return remapped
 
 

@@ -1,0 +1,201 @@
+"""Changes each picture of a film, and keeps the rest of it."""
+
+import io
+from dataclasses import dataclass, replace
+from fractions import Fraction
+
+import av
+
+from ncdc_model.film.kept import (
+    DATA,
+    Facts,
+    copied_metadata,
+    is_cover,
+    left_out,
+    other_streams,
+)
+from ncdc_model.film.reading import opened
+from ncdc_model.film.look import planes_of
+from ncdc_model.film.writing import writing_film
+from ncdc_spec.errors import InputError
+
+__all__ = ["Changed", "change_film"]
+
+
+@dataclass(frozen=True)
+class Changed:
+    """What :func:`change_film` has made.
+
+    Parameters
+    ----------
+    pictures : int
+        That were written.
+    expected : int
+        That the source states, or 0.
+    skipped, repaired : int
+        As of :class:`~ncdc_model.film.reading.FilmReader`.
+    cut_off : bool
+        Whether the source ends before the end that it states.
+    source_bits, bits : int
+        Of a sample, in the source and in the film that was written.
+    """
+    pictures: int
+    expected: int
+    skipped: int
+    repaired: int
+    cut_off: bool
+    source_bits: int
+    bits: int
+
+
+def change_film(source, target, size, change, warn, progress=lambda fraction: None):
+    """Write the film ``target``: each picture of the film ``source`` by ``change``.
+
+    Parameters
+    ----------
+    source, target : path
+        ``target`` is replaced whole or not at all.
+    size : (int, int)
+        Width and height of the changed pictures.
+    change : callable
+        With the attribute ``rgb`` true: gives a picture, uint8 RGB (height, width, 3), for one of
+        the source's size and the seconds since the film began. Else it gives planes (height, width)
+        of samples, for those of a picture, the seconds, and a function that gives the samples of a
+        colour (red, green, blue): brightness and two of colour, at each pixel, of the film's bits.
+    warn : callable
+        Called with a sentence on what is left out.
+    progress : callable
+        Called with the fraction done, if the film says how long it is.
+
+    Returns
+    -------
+    Changed
+
+    Raises
+    ------
+    InputError
+        If the source cannot be read, is interlaced, or the target cannot be written.
+    """
+    before = Facts.of(source)
+    look = replace(before.look, bits=8) if change.rgb else before.look
+    with opened(source) as reader:
+        pictures, rate = reader.pictures, reader.pictures.average_rate or Fraction(25)
+        with writing_film(target, size, rate, look) as out:
+            out.set_time_base(pictures.time_base if before.timed else 1 / rate)
+            work = _Work(reader, out, look, warn)
+            work.all(change, before.begin, progress)
+        progress(1)
+        for sentence in left_out(before, Facts.of(target), work.languages):
+            warn(f"{target}: {sentence}")
+        return Changed(work.count, reader.expected, reader.skipped, reader.repaired,
+                       reader.cut_off, before.look.bits, out.bits)
+
+
+class _Work:
+    """Changes the pictures of one film."""
+
+    def __init__(self, reader, out, look, warn):
+        self._reader, self._out, self._look, self._warn = reader, out, look, warn
+        self.count, self.languages, self._copied, self._said = 0, [], {}, set()
+        self._lost = 0
+        film = reader.film
+        out.container.metadata.update(copied_metadata(film.metadata))
+        if date := film.metadata.get("creation_time"):
+            out.container.metadata["creation_time"] = date
+        out.container.set_chapters(film.chapters())
+        out.set_metadata(copied_metadata(reader.pictures.metadata))
+        for stream in other_streams(reader):
+            self._copy(stream)
+
+    def _copy(self, stream):
+        """Have the packets of a ``stream`` copied, if the container takes them."""
+        if stream.type == "video":
+            self._warn(f"{self._reader.path}: " + (
+                "its cover picture is left out" if is_cover(stream) else
+                f"another video stream (number {stream.index}) is left out"))
+            return
+        if not _taken(self._out.container.format.name, stream):
+            name = getattr(stream, "name", None) or stream.metadata.get("handler_name", "data")
+            what = "the sound" if stream.type == "audio" else f"a stream of kind {stream.type}"
+            self._warn(f"{what} is left out: {self._out.path.suffix} holds no {name}")
+            return
+        copy = self._out.container.add_stream_from_template(stream)
+        copy.metadata.update({**copied_metadata(stream.metadata), **{
+            key: value for key, value in stream.metadata.items() if key == "handler_name"}})
+        copy.disposition = stream.disposition
+        self._copied[stream] = copy
+        self.languages.append((stream.type, stream.language or "und"))
+
+    def all(self, change, begin, progress):
+        """Change all pictures and copy the packets between them."""
+        reader, expected = self._reader, self._reader.expected
+        for packet in reader.packets([one for one in self._copied if one.type != "attachment"]):
+            if packet.stream is not reader.pictures:
+                self._mux(packet)
+                continue
+            for frame in reader.frames(packet):
+                self._check(frame)
+                self._change(change, frame, float(frame.time or 0) - begin)
+                self.count += 1
+                if expected:
+                    progress(min(self.count / expected, 1))
+        if self._lost:
+            self._warn(f"{reader.path}: {self._lost} packets of other streams are left out, their "
+                       f"times step back")
+
+    def _change(self, change, frame, seconds):
+        """Write one changed ``frame``."""
+        out, look = self._out, self._look
+        if change.rgb:
+            out.write(change(_rgb(self._reader.path, frame), seconds), like=frame)
+            return
+        planes = planes_of(look.sampled(frame, out.planar))
+        out.write_planes(change(planes, seconds, out.samples_of), like=frame)
+
+    def _check(self, frame):
+        """Reject or name what a ``frame`` has that the first one has not."""
+        if frame.interlaced_frame:
+            path = self._reader.path
+            raise InputError(f"{path} is interlaced, each of its pictures is two of half the rows: "
+                             f"split them first, as by ffmpeg -i {path} -vf bwdif split.mkv")
+        for side in frame.side_data.keys():
+            if side.type in DATA and side.type not in self._said:
+                self._warn(f"{self._reader.path}: {DATA[side.type]} of its pictures is left out")
+                self._said.add(side.type)
+        if not self._look.rgb and "tags" not in self._said and any(
+                getattr(frame, name) != value for name, value in self._look.tags.items()):
+            self._warn(f"{self._reader.path}: its colours' tags change at {frame.time or 0:.3f} s, "
+                       f"the first ones stay")
+            self._said.add("tags")
+
+    def _mux(self, packet):
+        """Copy a ``packet`` of another stream; an empty one is the sign of its end."""
+        if packet.dts is None:
+            if not packet.size:
+                return
+            packet.dts = packet.pts
+        packet.stream = self._copied[packet.stream]
+        try:
+            self._out.container.mux(packet)
+        except (av.error.InvalidDataError, av.error.ArgumentError, ValueError):
+            self._lost += 1
+
+
+def _rgb(path, frame):
+    """The RGB picture of a ``frame``, uint8."""
+    try:
+        return frame.to_ndarray(format="rgb24")
+    except av.FFmpegError as error:
+        raise InputError(f"{path} has colours of matrix {frame.colorspace} of H.273, which are not "
+                         f"converted to red, green and blue: --film bilinear needs none") from error
+
+
+def _taken(form, stream):
+    """Whether a container of the format ``form`` takes the packets of a ``stream``."""
+    try:
+        with av.open(io.BytesIO(), "w", format=form) as trial:
+            trial.add_stream_from_template(stream)
+            trial.start_encoding()
+    except (av.FFmpegError, ValueError):
+        return False
+    return True

@@ -1,0 +1,126 @@
+"""What a film keeps of another one, found by reading both."""
+
+from dataclasses import dataclass
+
+from av.sidedata.sidedata import Type
+from av.stream import Discard, Disposition
+
+from ncdc_model.film.look import COLOUR_TAGS, Look
+from ncdc_model.film.reading import opened
+from ncdc_spec.errors import InputError
+
+__all__ = ["DATA", "Facts", "copied_metadata", "is_cover", "left_out", "other_streams"]
+
+# Written by the program that made a file, about that file.
+_OF_THE_FILE = ("encoder", "major_brand", "minor_version", "compatible_brands", "vendor_id",
+                "handler_name", "duration", "creation_time")
+_NAMES = {"color_range": "range", "colorspace": "matrix", "color_primaries": "primaries",
+          "color_trc": "transfer"}
+
+
+# Data of single pictures that no encoder here writes.
+DATA = {Type.DYNAMIC_HDR_PLUS: "the dynamic HDR10+ data", Type.DOVI_METADATA: "Dolby Vision data",
+        Type.DOVI_RPU_BUFFER: "Dolby Vision data", Type.DYNAMIC_HDR_VIVID: "the HDR Vivid data",
+        Type.A53_CC: "the closed captions", Type.ICC_PROFILE: "the ICC profile",
+        Type.STEREO3D: "the arrangement for two eyes", Type.SPHERICAL: "the spherical projection",
+        Type.S12M_TIMECODE: "the time code",
+        Type.AMBIENT_VIEWING_ENVIRONMENT: "the ambient light"}
+
+
+def copied_metadata(metadata):
+    """Those of ``metadata`` that are about the film and not about its file; keys in lower case."""
+    return {key.lower(): value for key, value in metadata.items()
+            if key.lower() not in _OF_THE_FILE and not key.startswith("_STATISTICS")
+            and key.partition("-")[0] not in ("BPS", "NUMBER_OF_FRAMES", "NUMBER_OF_BYTES")}
+
+
+def other_streams(reader):
+    """Streams besides the pictures, but for the text of chapters, which is read as chapters."""
+    return [stream for stream in reader.film.streams if stream is not reader.pictures
+            and not (stream.type == "data" and stream.discard == Discard.all)]
+
+
+@dataclass(frozen=True)
+class Facts:
+    """What a film says of itself.
+
+    Parameters
+    ----------
+    look : Look
+    begin : float
+        Seconds at which its first picture is shown.
+    timed : bool
+        Whether its pictures have times.
+    metadata : dict
+    chapters : list
+    languages : list of (str, str)
+        Kind of each stream besides the pictures that is no video, and its language.
+    """
+    look: Look
+    begin: float
+    timed: bool
+    metadata: dict
+    chapters: list
+    languages: list
+
+    @classmethod
+    def of(cls, path):
+        """The facts of the film ``path``.
+
+        Raises
+        ------
+        InputError
+            If it cannot be read, or none of its pictures can be decoded.
+        """
+        with opened(path) as reader:
+            frame = next((frame for packet in reader.packets()
+                          for frame in reader.frames(packet)), None)
+            if frame is None:
+                raise InputError(f"{path} holds no picture that can be decoded")
+            film = reader.film
+            return cls(Look.of(frame, reader.pictures.sample_aspect_ratio),
+                       float(frame.time or 0), frame.pts is not None,
+                       copied_metadata(film.metadata), film.chapters(),
+                       [(stream.type, stream.language or "und") for stream in other_streams(reader)
+                        if stream.type != "video"])
+
+
+def left_out(before, after, copied):
+    """Sentences on what ``after``, the :class:`Facts` of a film, has lost of those ``before``.
+
+    ``copied``: languages, as of :class:`Facts`, of the streams that were to be copied.
+    """
+    old, new = before.look, after.look
+    if old.alpha:
+        yield "the alpha channel is left out"
+    if old.rgb:
+        yield "red, green and blue are written as Y'CbCr of BT.709"
+    if new.bits < old.bits:
+        yield f"of the {old.bits} bits of a sample {new.bits} are kept"
+    if new.chroma < old.chroma:
+        yield f"of the colours, stored as 4:{old.chroma[1]}:{old.chroma[2]}, " \
+              f"4:{new.chroma[1]}:{new.chroma[2]} are kept"
+    lost = [_NAMES[name] for name in COLOUR_TAGS if new.tags[name] != old.tags[name]]
+    if lost:
+        yield f"the colours' {', '.join(lost)}: the file does not state them any more"
+    for name, text in (("aspect", "the shape of the pixels"), ("matrix", "the rotation"),
+                       ("mastering", "the mastering display of HDR"),
+                       ("light", "the light level of HDR")):
+        if getattr(old, name) != getattr(new, name):
+            yield f"{text} is left out"
+    lost = [key for key, value in before.metadata.items() if after.metadata.get(key) != value]
+    if lost:
+        yield f"tags of the film are left out: {', '.join(sorted(lost))}"
+    if len(after.chapters) < len(before.chapters):
+        yield f"{len(before.chapters)} chapters are left out"
+    kept = list(after.languages)
+    for kind, language in copied:
+        if (kind, language) in kept:
+            kept.remove((kind, language))
+        else:
+            yield f"the language {language} of a stream of kind {kind} is left out"
+
+
+def is_cover(stream):
+    """Whether a stream of video is one picture, such as the cover of a disc."""
+    return bool(stream.disposition & Disposition.attached_pic)

@@ -1,0 +1,156 @@
+"""How the pictures of a film look: samples, colours, shape of the pixels, rotation, HDR."""
+
+import struct
+from dataclasses import dataclass, field
+from fractions import Fraction
+
+import av
+import numpy as np
+from av.sidedata.sidedata import Type
+from av.video.reformatter import ColorRange, Colorspace
+
+__all__ = ["COLOUR_TAGS", "Look", "planes_of"]
+
+COLOUR_TAGS = "color_range", "colorspace", "color_primaries", "color_trc"
+_UNSPECIFIED = 2        # of a matrix, primaries and transfer in H.273
+_BT709 = 1
+# swscale's matrix by the number of H.273; others have the primaries' of no common film.
+_MATRICES = {1: Colorspace.ITU709, 4: Colorspace.FCC, 7: Colorspace.SMPTE240M,
+             9: Colorspace.BT2020, 10: Colorspace.BT2020}
+_MASTERING = struct.Struct("=20i2i")    # AVMasteringDisplayMetadata: ten fractions, two flags
+
+
+@dataclass(frozen=True)
+class Look:
+    """What the pictures of a film have in common.
+
+    Parameters
+    ----------
+    bits : int
+        Of a sample.
+    chroma : str
+        ``420``, ``422`` or ``444``.
+    tags : dict
+        The numbers of H.273 by the names :data:`COLOUR_TAGS`.
+    rgb : bool
+        The source's samples are red, green and blue, which become Y'CbCr.
+    alpha : bool
+        The source has an alpha channel.
+    aspect : Fraction
+        Width of a pixel over its height.
+    matrix : tuple of int
+        By which players turn and mirror the pictures, or empty.
+    mastering, light : tuple of int
+        Of HDR: x and y of red, green, blue and white in units of 1/50000, least and greatest
+        luminance in 1/10000 cd/m2; greatest and mean light level in cd/m2. Or empty.
+    """
+    bits: int = 8
+    chroma: str = "420"
+    tags: dict = field(default_factory=lambda: {
+        "color_range": int(ColorRange.MPEG), "colorspace": _BT709,
+        "color_primaries": _UNSPECIFIED, "color_trc": _UNSPECIFIED})
+    rgb: bool = True
+    alpha: bool = False
+    aspect: Fraction = Fraction(1)
+    matrix: tuple = ()
+    mastering: tuple = ()
+    light: tuple = ()
+
+    @classmethod
+    def of(cls, frame, aspect):
+        """The look of a decoded ``frame``; ``aspect`` of its pixels, None for squares."""
+        layout, side = frame.format, frame.side_data
+        tags = {name: int(getattr(frame, name)) for name in COLOUR_TAGS}
+        rgb = _is_rgb(layout)
+        if rgb:
+            tags |= {"color_range": int(ColorRange.MPEG), "colorspace": _BT709}
+        parts = layout.components
+        colour = [part for part in parts if part.is_chroma]
+        chroma = "444" if rgb else "420"
+        if colour and not rgb:
+            chroma = ("444" if colour[0].width == frame.width else
+                      "422" if colour[0].height == frame.height else "420")
+        return cls(max(part.bits for part in parts), chroma, tags, rgb,
+                   any(part.is_alpha for part in parts), Fraction(aspect or 1),
+                   _numbers(side.get(Type.DISPLAYMATRIX), "9i"), _mastering(side),
+                   _numbers(side.get(Type.CONTENT_LIGHT_LEVEL), "2I"))
+
+    @property
+    def _conversion(self):
+        """swscale's matrix and range, of which it takes an unspecified one for limited."""
+        return {"dst_colorspace": _MATRICES.get(self.tags["colorspace"], Colorspace.DEFAULT),
+                "dst_color_range": self.tags["color_range"] or ColorRange.MPEG}
+
+    def frame_of(self, rgb, form):
+        """A frame of the pixel format ``form``, with the tags, of an ``rgb`` picture, uint8."""
+        picture = av.VideoFrame.from_ndarray(np.ascontiguousarray(rgb), "rgb24")
+        return self.tagged(picture.reformat(format=form, **self._conversion))
+
+    def sampled(self, frame, form):
+        """``frame`` in a pixel format ``form`` of Y'CbCr. If it was so before, nothing but the
+        number of its samples and their bits change, whatever its matrix."""
+        if _is_rgb(frame.format):
+            return self.tagged(frame.reformat(format=form, **self._conversion))
+        kept = {name: getattr(frame, name) for name in COLOUR_TAGS}
+        # swscale rejects a matrix that it cannot convert, even where there is nothing to convert.
+        frame.colorspace = _BT709
+        changed = frame.reformat(format=form, interpolation="BICUBIC")
+        for one in (frame, changed):
+            for name, value in kept.items():
+                setattr(one, name, value)
+        return changed
+
+    def tagged(self, target):
+        """``target``, a frame or an encoder, with the tags."""
+        for name, value in self.tags.items():
+            setattr(target, name, value)
+        return target
+
+    def hdr_options(self, codec):
+        """Options of an encoder that write the constant data of HDR; none if it has no such."""
+        if codec not in _HDR:
+            return {}
+        option, mastering, light, unit, nits = _HDR[codec]
+        words = []
+        if self.mastering:
+            red, green, blue, white = (
+                ",".join(f"{part / unit:g}" for part in self.mastering[k:k + 2])
+                for k in (0, 2, 4, 6))
+            low, high = (f"{part / nits:g}" for part in self.mastering[8:])
+            words.append(f"{mastering}=G({green})B({blue})R({red})WP({white})L({high},{low})")
+        if self.light:
+            words.append(f"{light}={self.light[0]},{self.light[1]}")
+        return {option: ":".join(words)} if words else {}
+
+
+# Option, names of the two words, and what a unit of them is in those of a Look.
+_HDR = {"libx264": ("x264-params", "mastering-display", "cll", 1, 1),
+        "libx265": ("x265-params", "master-display", "max-cll", 1, 1),
+        "libsvtav1": ("svtav1-params", "mastering-display", "content-light", 50000, 10000)}
+
+
+def _is_rgb(layout):
+    return layout.is_rgb or layout.has_palette
+
+
+def _numbers(data, form):
+    return struct.unpack(f"={form}", bytes(data)) if data is not None else ()
+
+
+def _mastering(side):
+    data = side.get(Type.MASTERING_DISPLAY_METADATA)
+    if data is None:
+        return ()
+    *parts, primaries, luminance = _MASTERING.unpack(bytes(data)[:_MASTERING.size])
+    if not (primaries and luminance):
+        return ()
+    values = [Fraction(*pair) if pair[1] else Fraction(0) for pair in zip(parts[::2], parts[1::2])]
+    return (*(round(50000 * value) for value in values[:8]),
+            *(round(10000 * value) for value in values[8:]))
+
+
+def planes_of(frame):
+    """Views (height, width) of the samples in the planes of a ``frame`` of Y'CbCr."""
+    kind = np.dtype("u1" if frame.format.components[0].bits == 8 else "<u2")
+    return [np.frombuffer(plane, kind).reshape(-1, plane.line_size // kind.itemsize)[
+        :plane.height, :plane.width] for plane in frame.planes]

@@ -1,0 +1,162 @@
+"""Reads films: their pictures, the packets of other streams, and what is damaged."""
+
+from contextlib import contextmanager
+from pathlib import Path
+
+import av
+import numpy as np
+
+from ncdc_spec.errors import InputError
+
+__all__ = ["FilmReader", "opened", "pictures_of"]
+
+# Formats whose header states how long the film is; others are measured to their last byte.
+_TIMED = "matroska,webm", "flv", "asf"
+_INDEXED = "mov,mp4,m4a,3gp,3g2,mj2", "avi"
+_TS_PACKETS = 188, 192, 204     # bytes; a transport stream has whole ones only
+_AT_ONCE = 100                  # errors without a packet in between, after which a film has ended
+
+
+@contextmanager
+def opened(path):
+    """Yield the :class:`FilmReader` of the film ``path``.
+
+    Raises
+    ------
+    InputError
+        If it cannot be read, or holds no pictures.
+    """
+    try:
+        with av.open(str(path), metadata_errors="replace") as film:
+            pictures = film.streams.best("video")
+            if pictures is None or pictures.disposition & av.stream.Disposition.attached_pic:
+                raise InputError(f"{path} holds no pictures")
+            if pictures.codec_context is None:
+                raise InputError(f"{path}: nothing here decodes its pictures")
+            pictures.thread_type = "AUTO"       # several pictures are decoded at once
+            yield FilmReader(path, film, pictures)
+    except (av.FFmpegError, OSError) as error:
+        raise InputError(f"cannot read {path}: {_reason(error)}") from error
+
+
+def _reason(error):
+    """The reason of an error of FFmpeg, with the last that it has logged, such as a lost index."""
+    log = getattr(error, "log", None)
+    return f"{error.strerror} ({log[2].strip()})" if log else error.strerror
+
+
+class FilmReader:
+    """A film that is open.
+
+    Attributes
+    ----------
+    film, pictures : av.container.InputContainer, av.video.stream.VideoStream
+    skipped : int
+        Damaged packets of pictures that gave none.
+    repaired : int
+        Pictures that the decoder has completed from others, since a part was damaged.
+    """
+
+    def __init__(self, path, film, pictures):
+        self.path, self.film, self.pictures = path, film, pictures
+        self.repaired = self._errors = self._packets = self._decoded = 0
+        self._partial, self._end = False, None
+
+    def packets(self, others=()):
+        """Yield the packets of the pictures and of ``others``; the film ends where it is lost."""
+        failures = 0
+        while failures < _AT_ONCE:
+            try:
+                for packet in self.film.demux([self.pictures, *others]):
+                    failures = 0
+                    if packet.stream is self.pictures and packet.size:
+                        self._count(packet)
+                    yield packet
+                return
+            except (av.FFmpegError, OSError):
+                failures += 1
+        self._partial = True
+
+    def _count(self, packet):
+        self._packets += not packet.is_discard
+        self._partial = packet.is_corrupt
+        if packet.pts is not None:
+            end = (packet.pts + (packet.duration or 0)) * packet.time_base
+            self._end = end if self._end is None else max(end, self._end)
+
+    def frames(self, packet):
+        """Pictures that ``packet`` of theirs gives; none if it is damaged."""
+        try:
+            frames = packet.decode()
+        except av.FFmpegError:
+            self._errors += 1
+            return []
+        self._decoded += len(frames)
+        self.repaired += sum(frame.is_corrupt for frame in frames)
+        return frames
+
+    @property
+    def skipped(self):
+        """See the class; to be asked at the end, since decoders hold pictures back."""
+        # Some decoders drop what is damaged and report no error.
+        return max(self._errors, self._packets - self._decoded)
+
+    @property
+    def expected(self):
+        """Number of pictures that the film states, or 0."""
+        stream, film = self.pictures, self.film
+        if stream.frames or not film.duration or not stream.average_rate:
+            return stream.frames
+        return int(film.duration / av.time_base * stream.average_rate)
+
+    @property
+    def cut_off(self):
+        """Whether the film ends before the end that it states; to be asked at its end."""
+        if self._partial:
+            return True
+        if self.film.format.name == "mpegts":
+            size = Path(self.path).stat().st_size
+            return all(size % one for one in _TS_PACKETS)
+        stream, film = self.pictures, self.film
+        frame = 1 / (stream.average_rate or 25)
+        if self._end is None or film.format.name not in (*_INDEXED, *_TIMED):
+            return False
+        if film.format.name == "avi":
+            stated = stream.frames * frame
+        elif stream.duration:
+            stated = stream.duration * stream.time_base
+        else:
+            stated = (film.duration or 0) / av.time_base
+        short = stated - (self._end - (stream.start_time or 0) * stream.time_base)
+        if film.format.name in _INDEXED:
+            return self._packets < stream.frames and short > frame / 2
+        return short > 3 * frame / 2
+
+
+def pictures_of(path, pause=0.0):
+    """Yield the pictures of the film ``path``, uint8 RGB (height, width, 3), with their times.
+
+    Parameters
+    ----------
+    path : path
+    pause : float
+        Pictures that follow another one sooner, in seconds, are left out.
+
+    Yields
+    ------
+    (ndarray, float)
+        Picture, and seconds since the film began.
+
+    Raises
+    ------
+    InputError
+        If the film cannot be read.
+    """
+    last = -np.inf
+    with opened(path) as reader:
+        for packet in reader.packets():
+            for frame in reader.frames(packet):
+                seconds = float(frame.time or 0.0)
+                if seconds - last >= pause - 1e-6:
+                    last = seconds
+                    yield frame.to_ndarray(format="rgb24"), seconds
