@@ -9,7 +9,6 @@ from glob import glob
 from pathlib import Path
 
 import cv2
-import numpy as np
 
 from ncdc.cli.colour import colour_choice, colour_line, colour_report
 from ncdc.cli.common import raw_frame, write_report

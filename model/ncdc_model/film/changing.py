@@ -14,8 +14,8 @@ from ncdc_model.film.kept import (
     left_out,
     other_streams,
 )
-from ncdc_model.film.reading import opened
 from ncdc_model.film.look import planes_of
+from ncdc_model.film.reading import opened
 from ncdc_model.film.writing import writing_film
 from ncdc_spec.errors import InputError
 

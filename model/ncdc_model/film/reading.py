@@ -1,6 +1,7 @@
 """Reads films: their pictures, the packets of other streams, and what is damaged."""
 
 from contextlib import contextmanager
+from fractions import Fraction
 from pathlib import Path
 
 import av
@@ -121,16 +122,13 @@ class FilmReader:
         frame = 1 / (stream.average_rate or 25)
         if self._end is None or film.format.name not in (*_INDEXED, *_TIMED):
             return False
-        if film.format.name == "avi":
-            stated = stream.frames * frame
-        elif stream.duration:
-            stated = stream.duration * stream.time_base
-        else:
-            stated = (film.duration or 0) / av.time_base
-        short = stated - (self._end - (stream.start_time or 0) * stream.time_base)
-        if film.format.name in _INDEXED:
-            return self._packets < stream.frames and short > frame / 2
-        return short > 3 * frame / 2
+        if film.format.name in _TIMED:      # from the first picture, or from zero, by the writer
+            return film.duration is not None and (
+                Fraction(film.duration, av.time_base) - self._end > 3 * frame / 2)
+        begin = (stream.start_time or 0) * stream.time_base
+        stated = (stream.frames * frame if film.format.name == "avi" else
+                  (stream.duration or 0) * stream.time_base)
+        return self._packets < stream.frames and stated - (self._end - begin) > frame / 2
 
 
 def pictures_of(path, pause=0.0):

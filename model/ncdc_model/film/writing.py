@@ -1,7 +1,6 @@
 """Writes films: pictures of a look, encoded into a container."""
 
 from contextlib import contextmanager
-from functools import lru_cache
 from pathlib import Path
 
 import av
@@ -60,7 +59,6 @@ class FilmWriter:
         """Pixel format of :meth:`write_planes`: as many samples of colour as of brightness."""
         return "yuv444p" if self.bits == 8 else f"yuv444p{self.bits}le"
 
-    @lru_cache
     def samples_of(self, colour):
         """Samples in the format :attr:`planar` of a ``colour`` (red, green, blue), uint8."""
         frame = self._look.frame_of(np.full((2, 2, 3), colour, np.uint8), self.planar)
