@@ -15,6 +15,7 @@ from ncdc.cli.common import raw_frame, write_report
 from ncdc.cli.view_angles import view_of
 from ncdc.terminal import Progress, Steps, say
 from ncdc_model.correction import coloured, correct, correction_of, default_model
+from ncdc_model.film.remapping import PlaneMaps
 from ncdc_model.images import FILMS, is_film_name, mosaic, write_image
 from ncdc_model.pc_camera import is_pc_camera, opened_camera
 from ncdc_model.raw_dump import RawDump
@@ -225,23 +226,15 @@ def _report_film(args, sequence, state=None):
 def _remapping(sequence, kernel):
     """Function that remaps the planes of a picture of finished colours by the map of a descriptor
     or a view; each has its own sample where there is no source."""
-    if sequence.view:
-        maps = sequence.view.maps
-    else:
-        still = (*remap_tables(sequence.descriptor),
-                 correction_of(sequence.descriptor, sequence.model).blank)
-
-        def maps(seconds):
-            return still
+    still = None
+    if not sequence.view:
+        still = PlaneMaps(*remap_tables(sequence.descriptor),
+                          correction_of(sequence.descriptor, sequence.model).blank, kernel)
 
     def remapped(planes, seconds, fills):
         sequence.count += 1
-        map_x, map_y, blank = maps(seconds)
-        found = [cv2.remap(plane, map_x, map_y, kernel, borderMode=cv2.BORDER_REPLICATE)
-                 for plane in planes]
-        for plane, fill in zip(found, fills):
-            plane[blank] = fill
-        return found
+        maps = still or PlaneMaps(*sequence.view.maps(seconds), kernel)
+        return maps(planes, fills)
     return remapped
 
 

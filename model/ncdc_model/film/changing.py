@@ -14,7 +14,7 @@ from ncdc_model.film.kept import (
     left_out,
     other_streams,
 )
-from ncdc_model.film.look import planes_of
+from ncdc_model.film.look import planes_of, tags_of, transparent
 from ncdc_model.film.reading import opened
 from ncdc_model.film.writing import writing_film
 from ncdc_spec.errors import InputError
@@ -59,9 +59,10 @@ def change_film(source, target, size, change, warn, progress=lambda fraction: No
         Width and height of the changed pictures.
     change : callable
         With the attribute ``rgb`` true: gives a picture, uint8 RGB (height, width, 3), for one of
-        the source's size and the seconds since the film began. Else it gives planes (height, width)
-        of samples, for those of a picture, the seconds, and a function that gives the samples of a
-        colour (red, green, blue): brightness and two of colour, at each pixel, of the film's bits.
+        the source's size and the seconds since the film began. Else it gives planes of samples,
+        brightness and two of colour, for those of a picture, the seconds, and a function that
+        gives the sample in each plane of a colour (red, green, blue). The planes of colour may have
+        half the columns, or half the columns and rows; samples have the film's bits.
     warn : callable
         Called with a sentence on what is left out.
     progress : callable
@@ -149,7 +150,7 @@ class _Work:
         if change.rgb:
             out.write(change(_rgb(self._reader.path, frame), seconds), like=frame)
             return
-        planes = planes_of(look.sampled(frame, out.planar))
+        planes = planes_of(look.sampled(frame, out.form))
         out.write_planes(change(planes, seconds, out.samples_of), like=frame)
 
     def _check(self, frame):
@@ -158,12 +159,14 @@ class _Work:
             path = self._reader.path
             raise InputError(f"{path} is interlaced, each of its pictures is two of half the rows: "
                              f"split them first, as by ffmpeg -i {path} -vf bwdif split.mkv")
+        if self._look.alpha and "alpha" not in self._said and transparent(frame):
+            self._warn(f"{self._reader.path}: its alpha channel is left out")
+            self._said.add("alpha")
         for side in frame.side_data.keys():
             if side.type in DATA and side.type not in self._said:
                 self._warn(f"{self._reader.path}: {DATA[side.type]} of its pictures is left out")
                 self._said.add(side.type)
-        if not self._look.rgb and "tags" not in self._said and any(
-                getattr(frame, name) != value for name, value in self._look.tags.items()):
+        if "tags" not in self._said and tags_of(frame) != self._look.tags:
             self._warn(f"{self._reader.path}: its colours' tags change at {frame.time or 0:.3f} s, "
                        f"the first ones stay")
             self._said.add("tags")

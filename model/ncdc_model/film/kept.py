@@ -13,7 +13,7 @@ __all__ = ["DATA", "Facts", "copied_metadata", "is_cover", "left_out", "other_st
 
 # Written by the program that made a file, about that file.
 _OF_THE_FILE = ("encoder", "major_brand", "minor_version", "compatible_brands", "vendor_id",
-                "handler_name", "duration", "creation_time")
+                "handler_name", "duration", "creation_time", "software")
 _NAMES = {"color_range": "range", "colorspace": "matrix", "color_primaries": "primaries",
           "color_trc": "transfer"}
 
@@ -91,8 +91,6 @@ def left_out(before, after, copied):
     ``copied``: languages, as of :class:`Facts`, of the streams that were to be copied.
     """
     old, new = before.look, after.look
-    if old.alpha:
-        yield "the alpha channel is left out"
     if old.rgb:
         yield "red, green and blue are written as Y'CbCr of BT.709"
     if new.bits < old.bits:

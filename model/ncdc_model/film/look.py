@@ -9,7 +9,7 @@ import numpy as np
 from av.sidedata.sidedata import Type
 from av.video.reformatter import ColorRange, Colorspace
 
-__all__ = ["COLOUR_TAGS", "Look", "planes_of"]
+__all__ = ["COLOUR_TAGS", "Look", "planes_of", "tags_of", "transparent"]
 
 COLOUR_TAGS = "color_range", "colorspace", "color_primaries", "color_trc"
 _UNSPECIFIED = 2        # of a matrix, primaries and transfer in H.273
@@ -60,17 +60,12 @@ class Look:
     def of(cls, frame, aspect):
         """The look of a decoded ``frame``; ``aspect`` of its pixels, None for squares."""
         layout, side = frame.format, frame.side_data
-        tags = {name: int(getattr(frame, name)) for name in COLOUR_TAGS}
-        rgb = _is_rgb(layout)
-        if rgb:
-            tags |= {"color_range": int(ColorRange.MPEG), "colorspace": _BT709}
-        parts = layout.components
-        colour = [part for part in parts if part.is_chroma]
+        rgb, parts = _is_rgb(layout), layout.components
         chroma = "444" if rgb else "420"
-        if colour and not rgb:
-            chroma = ("444" if colour[0].width == frame.width else
-                      "422" if colour[0].height == frame.height else "420")
-        return cls(max(part.bits for part in parts), chroma, tags, rgb,
+        if len(parts) >= 3 and not rgb:
+            chroma = ("444" if layout.chroma_width() == frame.width else
+                      "422" if layout.chroma_height() == frame.height else "420")
+        return cls(max(part.bits for part in parts), chroma, tags_of(frame), rgb,
                    any(part.is_alpha for part in parts), Fraction(aspect or 1),
                    _numbers(side.get(Type.DISPLAYMATRIX), "9i"), _mastering(side),
                    _numbers(side.get(Type.CONTENT_LIGHT_LEVEL), "2I"))
@@ -91,13 +86,16 @@ class Look:
         number of its samples and their bits change, whatever its matrix."""
         if _is_rgb(frame.format):
             return self.tagged(frame.reformat(format=form, **self._conversion))
-        kept = {name: getattr(frame, name) for name in COLOUR_TAGS}
+        matrix = frame.colorspace
         # swscale rejects a matrix that it cannot convert, even where there is nothing to convert.
         frame.colorspace = _BT709
-        changed = frame.reformat(format=form, interpolation="BICUBIC")
-        for one in (frame, changed):
-            for name, value in kept.items():
-                setattr(one, name, value)
+        span = frame.color_range or self.tags["color_range"] or ColorRange.MPEG
+        changed = frame.reformat(format=form, interpolation="BICUBIC", src_color_range=span,
+                                 dst_color_range=span)
+        frame.colorspace = matrix
+        if len(frame.format.components) < 3:
+            for plane in planes_of(changed)[1:]:
+                plane[:] = 1 << changed.format.components[0].bits - 1     # grey
         return changed
 
     def tagged(self, target):
@@ -114,9 +112,9 @@ class Look:
         words = []
         if self.mastering:
             red, green, blue, white = (
-                ",".join(f"{part / unit:g}" for part in self.mastering[k:k + 2])
+                ",".join(_decimal(part, unit) for part in self.mastering[k:k + 2])
                 for k in (0, 2, 4, 6))
-            low, high = (f"{part / nits:g}" for part in self.mastering[8:])
+            low, high = (_decimal(part, nits) for part in self.mastering[8:])
             words.append(f"{mastering}=G({green})B({blue})R({red})WP({white})L({high},{low})")
         if self.light:
             words.append(f"{light}={self.light[0]},{self.light[1]}")
@@ -127,6 +125,20 @@ class Look:
 _HDR = {"libx264": ("x264-params", "mastering-display", "cll", 1, 1),
         "libx265": ("x265-params", "master-display", "max-cll", 1, 1),
         "libsvtav1": ("svtav1-params", "mastering-display", "content-light", 50000, 10000)}
+
+
+def tags_of(frame):
+    """The colour tags of a ``frame``, as they are when its samples have become Y'CbCr."""
+    tags = {name: int(getattr(frame, name)) for name in COLOUR_TAGS}
+    if _is_rgb(frame.format):
+        tags |= {"color_range": int(ColorRange.MPEG), "colorspace": _BT709}
+    elif len(frame.format.components) < 3 and not tags["color_range"]:
+        tags["color_range"] = int(ColorRange.JPEG)      # as FFmpeg reads grey samples
+    return tags
+
+
+def _decimal(value, unit):
+    return f"{value / unit:.6f}".rstrip("0").rstrip(".")
 
 
 def _is_rgb(layout):
@@ -154,3 +166,8 @@ def planes_of(frame):
     kind = np.dtype("u1" if frame.format.components[0].bits == 8 else "<u2")
     return [np.frombuffer(plane, kind).reshape(-1, plane.line_size // kind.itemsize)[
         :plane.height, :plane.width] for plane in frame.planes]
+
+
+def transparent(frame):
+    """Whether a ``frame`` with an alpha channel has a pixel that is not opaque."""
+    return planes_of(frame.reformat(format="yuva444p"))[3].min() < 255

@@ -1,20 +1,15 @@
 """Reads films: their pictures, the packets of other streams, and what is damaged."""
 
 from contextlib import contextmanager
-from fractions import Fraction
-from pathlib import Path
 
 import av
 import numpy as np
 
+from ncdc_model.film.ending import ends_early
 from ncdc_spec.errors import InputError
 
 __all__ = ["FilmReader", "opened", "pictures_of"]
 
-# Formats whose header states how long the film is; others are measured to their last byte.
-_TIMED = "matroska,webm", "flv", "asf"
-_INDEXED = "mov,mp4,m4a,3gp,3g2,mj2", "avi"
-_TS_PACKETS = 188, 192, 204     # bytes; a transport stream has whole ones only
 _AT_ONCE = 100                  # errors without a packet in between, after which a film has ended
 
 
@@ -61,7 +56,7 @@ class FilmReader:
     def __init__(self, path, film, pictures):
         self.path, self.film, self.pictures = path, film, pictures
         self.repaired = self._errors = self._packets = self._decoded = 0
-        self._partial, self._end = False, None
+        self._partial = False
 
     def packets(self, others=()):
         """Yield the packets of the pictures and of ``others``; the film ends where it is lost."""
@@ -81,9 +76,6 @@ class FilmReader:
     def _count(self, packet):
         self._packets += not packet.is_discard
         self._partial = packet.is_corrupt
-        if packet.pts is not None:
-            end = (packet.pts + (packet.duration or 0)) * packet.time_base
-            self._end = end if self._end is None else max(end, self._end)
 
     def frames(self, packet):
         """Pictures that ``packet`` of theirs gives; none if it is damaged."""
@@ -113,22 +105,7 @@ class FilmReader:
     @property
     def cut_off(self):
         """Whether the film ends before the end that it states; to be asked at its end."""
-        if self._partial:
-            return True
-        if self.film.format.name == "mpegts":
-            size = Path(self.path).stat().st_size
-            return all(size % one for one in _TS_PACKETS)
-        stream, film = self.pictures, self.film
-        frame = 1 / (stream.average_rate or 25)
-        if self._end is None or film.format.name not in (*_INDEXED, *_TIMED):
-            return False
-        if film.format.name in _TIMED:      # from the first picture, or from zero, by the writer
-            return film.duration is not None and (
-                Fraction(film.duration, av.time_base) - self._end > 3 * frame / 2)
-        begin = (stream.start_time or 0) * stream.time_base
-        stated = (stream.frames * frame if film.format.name == "avi" else
-                  (stream.duration or 0) * stream.time_base)
-        return self._packets < stream.frames and stated - (self._end - begin) > frame / 2
+        return self._partial or ends_early(self.path)
 
 
 def pictures_of(path, pause=0.0):

@@ -1,5 +1,6 @@
 """Writes films: pictures of a look, encoded into a container."""
 
+import os
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -17,7 +18,7 @@ __all__ = ["FilmWriter", "writing_film"]
 _QUALITY = {"libx264": {"crf": "18", "preset": "veryfast"},
             "libx265": {"crf": "18", "preset": "superfast", "x265-params": "log-level=none"},
             "libvpx-vp9": {"crf": "24", "b": "0", "deadline": "realtime", "cpu-used": "8"},
-            "libsvtav1": {"crf": "24", "preset": "10"}}
+            "libsvtav1": {"crf": "24", "preset": "8"}}
 # Encoders of 8 bits, and of more: those that players of the container expect.
 _ENCODERS = {".webm": ("libvpx-vp9", "libsvtav1"), ".avi": ("libx264", "libx264")}
 _COMMON = "libx264", "libx265"
@@ -31,14 +32,15 @@ class FilmWriter:
     path : Path
         That is written in the end.
     container : av.container.OutputContainer
-    bits : int
-        Of the samples that are written.
+    bits, form : int, str
+        Bits and pixel format of the samples that are written.
     """
 
     def __init__(self, path, container, size, rate, look):
         self.path, self.container, self._look, self._last = path, container, look, None
         suffix = path.suffix.lower()
         name = _ENCODERS.get(suffix, _COMMON)[look.bits > 8]
+        os.environ.setdefault("SVT_LOG", "1")       # else this encoder prints what it is set to
         known = {one.name for one in av.codec.Codec(name, "w").video_formats}
         self.bits, self.form = _form(known, look, size)
         self._stream = container.add_stream(name, rate)
@@ -54,14 +56,9 @@ class FilmWriter:
         if look.matrix:
             self._stream.set_display_matrix(look.matrix)
 
-    @property
-    def planar(self):
-        """Pixel format of :meth:`write_planes`: as many samples of colour as of brightness."""
-        return "yuv444p" if self.bits == 8 else f"yuv444p{self.bits}le"
-
     def samples_of(self, colour):
-        """Samples in the format :attr:`planar` of a ``colour`` (red, green, blue), uint8."""
-        frame = self._look.frame_of(np.full((2, 2, 3), colour, np.uint8), self.planar)
+        """Samples of a ``colour`` (red, green, blue), uint8, in the planes of the film."""
+        frame = self._look.frame_of(np.full((2, 2, 3), colour, np.uint8), self.form)
         return tuple(int(plane[0, 0]) for plane in planes_of(frame))
 
     def set_time_base(self, time_base):
@@ -77,12 +74,12 @@ class FilmWriter:
         self._encode(self._look.frame_of(picture, self.form), like)
 
     def write_planes(self, planes, like=None):
-        """Encode ``planes``, as of :func:`planes_of` of a frame in the format :attr:`planar`."""
+        """Encode ``planes``, as of :func:`planes_of` of a frame in the format :attr:`form`."""
         height, width = planes[0].shape
-        frame = self._look.tagged(av.VideoFrame(width, height, self.planar))
+        frame = self._look.tagged(av.VideoFrame(width, height, self.form))
         for target, plane in zip(planes_of(frame), planes, strict=True):
             target[:] = plane
-        self._encode(self._look.sampled(frame, self.form), like)
+        self._encode(frame, like)
 
     def _encode(self, frame, like):
         if like is not None:

@@ -4,7 +4,7 @@ from enum import Enum
 
 from ncdc_spec.errors import InputError
 
-__all__ = ["HEAD", "Kind", "film_by", "film_of", "kind_of"]
+__all__ = ["HEAD", "TRANSPORT", "Kind", "film_by", "film_of", "kind_of"]
 
 HEAD = 1024             # bytes that show the format of a file
 
@@ -50,6 +50,7 @@ _FILMS = (
     (0, b".RMF", "RealMedia"), (0, b"\x06\x0e+4\2\5\1\1", "MXF"),
     (0, b"nut/multimedia container", "NUT"), (8, b"AVI ", "AVI"),
     *((4, kind, "QuickTime") for kind in (b"moov", b"mdat", b"wide", b"free")))
+TRANSPORT = "MPEG transport stream"
 # Where the packets of a transport stream begin, and how long they are.
 _TRANSPORT = (0, 188), (4, 192), (0, 204)
 _HEIC = "save the photo as PNG or TIFF, as by heif-convert PHOTO photo.png (libheif-examples)"
@@ -78,7 +79,7 @@ def film_of(head):
             return name
     if any(len(head) > start + 2 * step and all(head[start + k * step] == ord("G")
                                                 for k in range(3)) for start, step in _TRANSPORT):
-        return "MPEG transport stream"
+        return TRANSPORT
     return None
 
 
