@@ -5,6 +5,7 @@ from functools import cache
 
 from ncdc.cli.colour import add_colour, colour_choice, colour_line, colour_report
 from ncdc.cli.common import add_json, add_samples, raw_frame, write_report
+from ncdc.cli.film_crop import add_film_crop
 from ncdc.cli.sequence import (
     FILM_MODES,
     correct_camera,
@@ -49,6 +50,7 @@ def add_arguments(parser) -> None:
     film.add_argument("--film", choices=FILM_MODES, default=FILM_MODES[0],
                       help="bilinear (default), lanczos: remapped in their colours, not by the "
                            "hardware's arithmetic; mosaic: mosaiced, then corrected as raw frames")
+    add_film_crop(film)
     film.add_argument("--frames", type=int, metavar="N",
                       help="of a camera of this PC (default: until Ctrl-C)")
     film.add_argument("--fps", type=float, default=30.0, metavar="F",
@@ -65,6 +67,9 @@ def add_arguments(parser) -> None:
 def run(args) -> None:
     """Correct, write, report."""
     images = listed(args.image)
+    if args.film_crop is not None and not any(
+            is_pc_camera(path) or _film(args, path) for path in images):
+        raise InputError(f"--film-crop is {args.film_crop}: it takes a film, {images[0]} is none")
     if args.view_list is not None:
         return _correct_views(args, images)
     if images == ["-"]:

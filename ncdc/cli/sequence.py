@@ -12,6 +12,7 @@ import cv2
 
 from ncdc.cli.colour import colour_choice, colour_line, colour_report
 from ncdc.cli.common import raw_frame, write_report
+from ncdc.cli.film_crop import film_crop
 from ncdc.cli.view_angles import view_of
 from ncdc.terminal import Progress, Steps, say
 from ncdc_model.correction import coloured, correct, correction_of, default_model
@@ -66,12 +67,15 @@ class _Sequence:
         self.descriptor = Descriptor.load(args.descriptor)
         self.view = view_of(args, self.descriptor)
         self.model = args.model or default_model(say)
-        self.colour, self.count, self._begin = None, 0, time.monotonic()
+        self.colour, self.crop, self.count, self._begin = None, None, 0, time.monotonic()
 
     @property
     def size(self):
         """Width and height of the corrected pictures."""
-        return self.view.size if self.view else self.descriptor.geometry.corrected
+        geometry = self.descriptor.geometry
+        if self.view:
+            return self.view.size
+        return self.crop.size(geometry) if self.crop else geometry.corrected
 
     @property
     def rate(self):
@@ -139,8 +143,8 @@ def correct_files(args, paths):
 
 def correct_film(args, path):
     """Correct the film ``path``, in its colours or as raw frames."""
-    from ncdc_model.film import change_film
-    sequence, changed = _film_change(args, path)
+    from ncdc_model.film import change_film, frame_shape
+    sequence, changed = _film_change(args, path, *frame_shape(path))
     made = change_film(path, args.output, sequence.size, changed, say, Progress("correcting"))
     if args.film == _MOSAIC and made.source_bits > made.bits:
         say(f"--film {_MOSAIC} corrects samples of 8 bits, as the hardware does: the "
@@ -168,7 +172,7 @@ def correct_camera(args, name):
         raise InputError(f"{name} is a camera, --gyro needs a film")
     if args.frames is not None and args.frames < 1:
         raise InputError(f"--frames is {args.frames}, 1 is the limit")
-    sequence, changed = _film_change(args, name)
+    sequence, changed = _film_change(args, name, None, 1)
     shown, size = Steps("correcting", quiet=True), sequence.size
     with opened_camera(name) as camera, writing_film(args.output, size, _rate(camera.rate)) as film:
         try:
@@ -183,9 +187,12 @@ def correct_camera(args, name):
     _report_film(args, sequence)
 
 
-def _film_change(args, name):
+def _film_change(args, name, size, aspect):
     """:class:`_Sequence`, and the function that corrects a picture of a film or a camera, as of
-    :func:`ncdc_model.film.changing.change_film`."""
+    :func:`ncdc_model.film.changing.change_film`.
+
+    ``size`` and ``aspect``: of the film's pictures and pixels; size None of a camera.
+    """
     if not is_film_name(args.output):
         what = "a camera, whose pictures become a film" if is_pc_camera(name) else "a film"
         raise InputError(f"{name} is {what}, {args.output} is none: films are written as one of "
@@ -193,17 +200,24 @@ def _film_change(args, name):
     if args.film != _MOSAIC and colour_choice(args):
         raise InputError(f"the film is remapped in its colours ({args.film}): --raw-balance, "
                          f"--crest, --white-balance and --tone need --film {_MOSAIC}")
+    if args.film_crop is not None and (args.film == _MOSAIC or size is None):
+        raise InputError(f"--film-crop is {args.film_crop}: it takes a film that is remapped in "
+                         f"its colours, " + (f"{name} is a camera" if size is None else
+                                             f"--film {_MOSAIC} has the descriptor's pixels"))
     sequence = _Sequence(args)
     geometry = sequence.descriptor.geometry
+    if size is not None:
+        sequence.crop = film_crop(args, name, size, aspect, geometry)
+    camera, size = size is None, size or geometry.distorted
     if args.film == _MOSAIC:
         def change(picture, seconds):
-            _check_size(name, picture, geometry)
+            _check_size(name, picture, size, camera)
             return sequence.picture(mosaic(picture, geometry.bayer), seconds)
     else:
         remapped = _remapping(sequence, _KERNELS[args.film])
 
         def change(planes, seconds, samples_of):
-            _check_size(name, planes[0], geometry)
+            _check_size(name, planes[0], size, camera)
             return remapped(planes, seconds, samples_of(geometry.fill))
     change.rgb = args.film == _MOSAIC
     say(f"{name}: its pictures are " + (
@@ -212,10 +226,17 @@ def _film_change(args, name):
     return sequence, change
 
 
-def _check_size(name, picture, geometry):
-    if picture.shape[1::-1] != geometry.distorted:
-        raise InputError("{} has {}x{} pixels, the descriptor is for {}x{}".format(
-            name, *picture.shape[1::-1], *geometry.distorted))
+def _check_size(name, picture, size, camera):
+    """Raise :class:`InputError` if a ``picture`` has not the ``size`` of the others, or a camera's
+    not that of the descriptor."""
+    if picture.shape[1::-1] == size:
+        return
+    if camera:
+        raise InputError("{0} has {1}x{2} pixels, the descriptor is for {3}x{4}: measure the lens "
+                         "with the camera, ncdc calibrate --live {0}".format(
+                             name, *picture.shape[1::-1], *size))
+    raise InputError("{} has a picture of {}x{} pixels among those of {}x{}".format(
+        name, *picture.shape[1::-1], *size))
 
 
 def _report_film(args, sequence, state=None):
@@ -226,15 +247,18 @@ def _report_film(args, sequence, state=None):
 def _remapping(sequence, kernel):
     """Function that remaps the planes of a picture of finished colours by the map of a descriptor
     or a view; each has its own sample where there is no source."""
-    still = None
+    still, crop = None, sequence.crop
     if not sequence.view:
-        still = PlaneMaps(*remap_tables(sequence.descriptor),
-                          correction_of(sequence.descriptor, sequence.model).blank, kernel)
+        still = PlaneMaps(*(crop.maps(sequence.descriptor) if crop else (
+            *remap_tables(sequence.descriptor),
+            correction_of(sequence.descriptor, sequence.model).blank)), kernel)
 
     def remapped(planes, seconds, fills):
         sequence.count += 1
-        maps = still or PlaneMaps(*sequence.view.maps(seconds), kernel)
-        return maps(planes, fills)
+        if still:
+            return still(planes, fills)
+        maps = sequence.view.maps(seconds)
+        return PlaneMaps(*(crop.of_film(*maps) if crop else maps), kernel)(planes, fills)
     return remapped
 
 

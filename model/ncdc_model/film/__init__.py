@@ -5,7 +5,7 @@ times; sound, subtitles and data are copied. :mod:`ncdc_model.film.kept` names w
 """
 
 from ncdc_model.film.changing import change_film
-from ncdc_model.film.reading import pictures_of
+from ncdc_model.film.reading import frame_shape, pictures_of
 from ncdc_model.film.writing import writing_film
 
-__all__ = ["change_film", "pictures_of", "writing_film"]
+__all__ = ["change_film", "frame_shape", "pictures_of", "writing_film"]

@@ -1,6 +1,7 @@
 """Reads films: their pictures, the packets of other streams, and what is damaged."""
 
 from contextlib import contextmanager
+from fractions import Fraction
 
 import av
 import numpy as np
@@ -8,7 +9,7 @@ import numpy as np
 from ncdc_model.film.ending import ends_early
 from ncdc_spec.errors import InputError
 
-__all__ = ["FilmReader", "opened", "pictures_of"]
+__all__ = ["FilmReader", "frame_shape", "opened", "pictures_of"]
 
 _AT_ONCE = 100                  # errors without a packet in between, after which a film has ended
 
@@ -106,6 +107,20 @@ class FilmReader:
     def cut_off(self):
         """Whether the film ends before the end that it states; to be asked at its end."""
         return self._partial or ends_early(self.path)
+
+
+def frame_shape(path):
+    """(width, height) of the pictures of the film ``path``, and the width of its pixels over their
+    height.
+
+    Raises
+    ------
+    InputError
+        If the film cannot be read.
+    """
+    with opened(path) as reader:
+        context = reader.pictures.codec_context
+        return (context.width, context.height), reader.pictures.sample_aspect_ratio or Fraction(1)
 
 
 def pictures_of(path, pause=0.0):

@@ -28,7 +28,7 @@ class PlaneMaps:
         made = []
         for plane, fill in zip(planes, fills, strict=True):
             map_x, map_y, blank = self._reduced(*(
-                round(whole / part) for whole, part in zip(planes[0].shape, plane.shape)))
+                round(whole / part) for whole, part in zip(planes[0].shape[:2], plane.shape)))
             found = cv2.remap(plane, map_x, map_y, self._kernel, borderMode=cv2.BORDER_REPLICATE)
             found[blank] = fill
             made.append(found)
