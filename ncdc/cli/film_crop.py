@@ -108,8 +108,8 @@ def film_crop(args, name, film, aspect, geometry):
         raise InputError(f"--film-crop is {args.film_crop}, by which the pixels of {name} are "
                          f"{shape:.3f} times as wide as high, it says {float(aspect):.3f}: "
                          f"{fitting[0]}x{fitting[1]} has its shape")
-    say("{}: its {}x{} pixels are {}x{} of the descriptor's {}x{}, from column {:g} and row {:g}, at "
-        "{:.3f} to one".format(name, *film, *part, *whole, *corner, crop.scale[0]))
+    say("{}: its {}x{} pixels are {}x{} of the descriptor's {}x{}, from column {:g} and row {:g}, "
+        "at {:.3f} to one".format(name, *film, *part, *whole, *corner, crop.scale[0]))
     return crop
 
 

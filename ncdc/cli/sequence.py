@@ -155,8 +155,8 @@ def correct_film(args, path):
 def _film_state(args, path, sequence, made):
     """Write the report, and say what is damaged; the exit status."""
     if made.skipped or made.repaired:
-        say(f"{path} is damaged: {made.skipped} packets gave no picture, {made.repaired} pictures "
-            f"are as the decoder has repaired them")
+        say(f"{path} is damaged: packets that gave no picture and are skipped: {made.skipped}; "
+            f"pictures that are kept as the decoder has repaired them: {made.repaired}")
     if made.cut_off:
         of = f" of {made.expected}" if made.expected > made.pictures else ""
         say(f"{path} is cut off: {made.pictures}{of} pictures are written")

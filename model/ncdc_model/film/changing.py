@@ -13,6 +13,7 @@ from ncdc_model.film.kept import (
     is_cover,
     left_out,
     other_streams,
+    stream_facts,
 )
 from ncdc_model.film.look import planes_of, tags_of, transparent
 from ncdc_model.film.reading import opened
@@ -83,10 +84,10 @@ def change_film(source, target, size, change, warn, progress=lambda fraction: No
         pictures, rate = reader.pictures, reader.pictures.average_rate or Fraction(25)
         with writing_film(target, size, rate, look) as out:
             out.set_time_base(pictures.time_base if before.timed else 1 / rate)
-            work = _Work(reader, out, look, warn)
-            work.all(change, before.begin, progress)
+            work = _Work(reader, out, look, before.begin, warn)
+            work.all(change, progress)
         progress(1)
-        for sentence in left_out(before, Facts.of(target), work.languages):
+        for sentence in left_out(before, Facts.of(target), work.streams):
             warn(f"{target}: {sentence}")
         return Changed(work.count, reader.expected, reader.skipped, reader.repaired,
                        reader.cut_off, before.look.bits, out.bits)
@@ -95,10 +96,10 @@ def change_film(source, target, size, change, warn, progress=lambda fraction: No
 class _Work:
     """Changes the pictures of one film."""
 
-    def __init__(self, reader, out, look, warn):
+    def __init__(self, reader, out, look, begin, warn):
         self._reader, self._out, self._look, self._warn = reader, out, look, warn
-        self.count, self.languages, self._copied, self._said = 0, [], {}, set()
-        self._lost = 0
+        self.count, self.streams, self._copied, self._said = 0, [], {}, set()
+        self._lost, self._begin = 0, begin
         film = reader.film
         out.container.metadata.update(copied_metadata(film.metadata))
         if date := film.metadata.get("creation_time"):
@@ -116,18 +117,20 @@ class _Work:
                 f"another video stream (number {stream.index}) is left out"))
             return
         if not _taken(self._out.container.format.name, stream):
-            name = getattr(stream, "name", None) or stream.metadata.get("handler_name", "data")
-            what = "the sound" if stream.type == "audio" else f"a stream of kind {stream.type}"
-            self._warn(f"{what} is left out: {self._out.path.suffix} holds no {name}")
+            suffix, name = self._out.path.suffix, stream.metadata.get("handler_name", "")
+            self._warn(f"the sound is left out: {suffix} holds no {stream.name}"
+                       if stream.type == "audio" else
+                       f"stream {stream.index} ({stream.type}{name and ', '}{name}) is left out: "
+                       f"{suffix} holds none such")
             return
         copy = self._out.container.add_stream_from_template(stream)
         copy.metadata.update({**copied_metadata(stream.metadata), **{
             key: value for key, value in stream.metadata.items() if key == "handler_name"}})
         copy.disposition = stream.disposition
         self._copied[stream] = copy
-        self.languages.append((stream.type, stream.language or "und"))
+        self.streams.append(stream_facts(stream, self._begin))
 
-    def all(self, change, begin, progress):
+    def all(self, change, progress):
         """Change all pictures and copy the packets between them."""
         reader, expected = self._reader, self._reader.expected
         for packet in reader.packets([one for one in self._copied if one.type != "attachment"]):
@@ -136,7 +139,7 @@ class _Work:
                 continue
             for frame in reader.frames(packet):
                 self._check(frame)
-                self._change(change, frame, float(frame.time or 0) - begin)
+                self._change(change, frame, float(frame.time or 0) - self._begin)
                 self.count += 1
                 if expected:
                     progress(min(self.count / expected, 1))

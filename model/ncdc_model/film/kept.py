@@ -9,11 +9,13 @@ from ncdc_model.film.look import COLOUR_TAGS, Look
 from ncdc_model.film.reading import opened
 from ncdc_spec.errors import InputError
 
-__all__ = ["DATA", "Facts", "copied_metadata", "is_cover", "left_out", "other_streams"]
+__all__ = ["DATA", "Facts", "copied_metadata", "is_cover", "left_out", "other_streams",
+           "stream_facts"]
 
 # Written by the program that made a file, about that file.
 _OF_THE_FILE = ("encoder", "major_brand", "minor_version", "compatible_brands", "vendor_id",
                 "handler_name", "duration", "creation_time", "software")
+_HEARD = 0.03           # seconds of sound before or after its picture that nobody notices
 _NAMES = {"color_range": "range", "colorspace": "matrix", "color_primaries": "primaries",
           "color_trc": "transfer"}
 
@@ -53,15 +55,16 @@ class Facts:
         Whether its pictures have times.
     metadata : dict
     chapters : list
-    languages : list of (str, str)
-        Kind of each stream besides the pictures that is no video, and its language.
+    streams : list of (str, str, float)
+        Kind of each stream besides the pictures that is no video, its language, and the seconds
+        from the first picture to its beginning.
     """
     look: Look
     begin: float
     timed: bool
     metadata: dict
     chapters: list
-    languages: list
+    streams: list
 
     @classmethod
     def of(cls, path):
@@ -77,18 +80,18 @@ class Facts:
                           for frame in reader.frames(packet)), None)
             if frame is None:
                 raise InputError(f"{path} holds no picture that can be decoded")
-            film = reader.film
+            film, begin = reader.film, float(frame.time or 0)
             return cls(Look.of(frame, reader.pictures.sample_aspect_ratio),
-                       float(frame.time or 0), frame.pts is not None,
+                       begin, frame.pts is not None,
                        copied_metadata(film.metadata), film.chapters(),
-                       [(stream.type, stream.language or "und") for stream in other_streams(reader)
+                       [stream_facts(stream, begin) for stream in other_streams(reader)
                         if stream.type != "video"])
 
 
 def left_out(before, after, copied):
     """Sentences on what ``after``, the :class:`Facts` of a film, has lost of those ``before``.
 
-    ``copied``: languages, as of :class:`Facts`, of the streams that were to be copied.
+    ``copied``: streams, as of :class:`Facts`, that were to be copied.
     """
     old, new = before.look, after.look
     if old.rgb:
@@ -98,7 +101,8 @@ def left_out(before, after, copied):
     if new.chroma < old.chroma:
         yield f"of the colours, stored as 4:{old.chroma[1]}:{old.chroma[2]}, " \
               f"4:{new.chroma[1]}:{new.chroma[2]} are kept"
-    lost = [_NAMES[name] for name in COLOUR_TAGS if new.tags[name] != old.tags[name]]
+    lost = [_NAMES[name] for name in COLOUR_TAGS if new.tags[name] != old.tags[name]
+            and {new.tags[name], old.tags[name]} != {0, 1}]     # of a range: unstated is limited
     if lost:
         yield f"the colours' {', '.join(lost)}: the file does not state them any more"
     for name, text in (("aspect", "the shape of the pixels"), ("matrix", "the rotation"),
@@ -111,12 +115,18 @@ def left_out(before, after, copied):
         yield f"tags of the film are left out: {', '.join(sorted(lost))}"
     if len(after.chapters) < len(before.chapters):
         yield f"{len(before.chapters)} chapters are left out"
-    kept = list(after.languages)
-    for kind, language in copied:
-        if (kind, language) in kept:
-            kept.remove((kind, language))
-        else:
+    for (kind, language, begin), (_, now, later) in zip(copied, after.streams):
+        if language != now:
             yield f"the language {language} of a stream of kind {kind} is left out"
+        if abs(begin - later) > _HEARD:
+            yield f"a stream of kind {kind} begins {begin:.3f} s after the first picture, here " \
+                  f"{later:.3f} s"
+
+
+def stream_facts(stream, begin):
+    """What :class:`Facts` says of a ``stream`` of a film whose first picture is at ``begin``."""
+    start = float((stream.start_time or 0) * (stream.time_base or 0))
+    return stream.type, stream.language or "und", start - begin
 
 
 def is_cover(stream):

@@ -2,11 +2,13 @@
 
 from contextlib import contextmanager
 from fractions import Fraction
+from pathlib import Path
 
 import av
 import numpy as np
+from av.stream import Disposition
 
-from ncdc_model.film.ending import ends_early
+from ncdc_model.film.ending import WholeBoxes, ends_early
 from ncdc_spec.errors import InputError
 
 __all__ = ["FilmReader", "frame_shape", "opened", "pictures_of"]
@@ -24,22 +26,31 @@ def opened(path):
         If it cannot be read, or holds no pictures.
     """
     try:
-        with av.open(str(path), metadata_errors="replace") as film:
+        with _opened(path) as film:
             pictures = film.streams.best("video")
-            if pictures is None or pictures.disposition & av.stream.Disposition.attached_pic:
+            if pictures is None or pictures.disposition & Disposition.attached_pic:
                 raise InputError(f"{path} holds no pictures")
             if pictures.codec_context is None:
                 raise InputError(f"{path}: nothing here decodes its pictures")
             pictures.thread_type = "AUTO"       # several pictures are decoded at once
             yield FilmReader(path, film, pictures)
     except (av.FFmpegError, OSError) as error:
-        raise InputError(f"cannot read {path}: {_reason(error)}") from error
+        cut = "; it is cut off, and lacks what is needed to play it" * _cut(path)
+        raise InputError(f"cannot read {path}: {error.strerror}{cut}") from error
 
 
-def _reason(error):
-    """The reason of an error of FFmpeg, with the last that it has logged, such as a lost index."""
-    log = getattr(error, "log", None)
-    return f"{error.strerror} ({log[2].strip()})" if log else error.strerror
+def _opened(path):
+    """The container ``path``; of fragments that are cut off, those that are whole."""
+    try:
+        return av.open(str(path), metadata_errors="replace")
+    except av.FFmpegError:
+        if not _cut(path):
+            raise
+        return av.open(WholeBoxes(path), metadata_errors="replace")
+
+
+def _cut(path):
+    return Path(path).is_file() and ends_early(path)
 
 
 class FilmReader:

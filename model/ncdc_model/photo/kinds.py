@@ -4,7 +4,7 @@ from enum import Enum
 
 from ncdc_spec.errors import InputError
 
-__all__ = ["HEAD", "TRANSPORT", "Kind", "film_by", "film_of", "kind_of"]
+__all__ = ["HEAD", "Kind", "film_by", "film_of", "kind_of", "packet_of"]
 
 HEAD = 1024             # bytes that show the format of a file
 
@@ -50,7 +50,6 @@ _FILMS = (
     (0, b".RMF", "RealMedia"), (0, b"\x06\x0e+4\2\5\1\1", "MXF"),
     (0, b"nut/multimedia container", "NUT"), (8, b"AVI ", "AVI"),
     *((4, kind, "QuickTime") for kind in (b"moov", b"mdat", b"wide", b"free")))
-TRANSPORT = "MPEG transport stream"
 # Where the packets of a transport stream begin, and how long they are.
 _TRANSPORT = (0, 188), (4, 192), (0, 204)
 _HEIC = "save the photo as PNG or TIFF, as by heif-convert PHOTO photo.png (libheif-examples)"
@@ -77,10 +76,14 @@ def film_of(head):
     for offset, signature, name in _FILMS:
         if head[offset:].startswith(signature):
             return name
-    if any(len(head) > start + 2 * step and all(head[start + k * step] == ord("G")
-                                                for k in range(3)) for start, step in _TRANSPORT):
-        return TRANSPORT
-    return None
+    return "MPEG transport stream" if packet_of(head) else None
+
+
+def packet_of(head):
+    """Bytes of a packet of the transport stream that a file with the first bytes ``head`` is, or
+    None."""
+    return next((step for start, step in _TRANSPORT if len(head) > start + 2 * step and all(
+        head[start + k * step] == ord("G") for k in range(3))), None)
 
 
 def film_by(head, animated=False):
