@@ -2,6 +2,7 @@
 
 import sys
 from functools import cache
+from pathlib import Path
 
 from ncdc.cli.colour import add_colour, colour_choice, colour_line, colour_report
 from ncdc.cli.common import add_json, add_samples, raw_frame, write_report
@@ -22,6 +23,7 @@ from ncdc_model.images import check_suffix, is_film, is_film_name, write_image
 from ncdc_model.pc_camera import is_pc_camera
 from ncdc_spec.descriptor import Descriptor
 from ncdc_spec.errors import InputError
+from ncdc_spec.files import read_bytes
 from ncdc_spec.interpolation import CRESTS
 from ncdc_spec.raw_gains import NO_RAW_GAINS
 
@@ -94,6 +96,8 @@ def _film(args, path):
 
 def _correct_one(args, path):
     if is_film_name(args.output):
+        if not Path(path).is_file():
+            read_bytes(path)        # raises the error that says why
         raise InputError(f"{path} holds no film, {args.output} would be one: an input is judged by "
                          f"its content, as Matroska, MP4, AVI, a transport stream, GIF, YUV4MPEG2")
     check_suffix(args.output)

@@ -4,10 +4,12 @@ from dataclasses import dataclass, field
 from fractions import Fraction
 
 import av
+import cv2
 import numpy as np
 from av.filter import Graph
 
-__all__ = ["COUNT", "SIZE", "TAGS", "Film", "frames_of", "scene", "shown"]
+__all__ = ["COUNT", "HDR", "HLG", "PC", "SDR_601", "SDR_709", "SIZE", "TAGS", "TV", "Film",
+            "frames_of", "scene", "shown"]
 
 SIZE = 96, 64
 COUNT = 10
@@ -40,6 +42,9 @@ class Film:
     data: bool = False          # samples of a sensor, as action cameras write them
     chapters: bool = False
     second: bool = False        # another video stream
+    alpha: float = 1.0
+    size: tuple = SIZE
+    window: tuple = (0, 0, *SIZE)       # of the scene: left, top, width, height
     container: dict = field(default_factory=dict)   # options
 
     def write(self):
@@ -79,7 +84,12 @@ class Film:
 
     def frame(self, k):
         """Picture number ``k`` in the film's samples."""
-        picture = av.VideoFrame.from_ndarray(scene(k), "rgb48le")
+        left, top, width, height = self.window
+        colours = scene(k)[top:top + height, left:left + width]
+        if self.size != (width, height):
+            colours = cv2.resize(colours, self.size, interpolation=cv2.INTER_AREA)
+        clear = np.full((*colours.shape[:2], 1), round(65535 * self.alpha), np.uint16)
+        picture = av.VideoFrame.from_ndarray(np.dstack([colours, clear]), "rgba64le")
         matrix = {1: 1, 6: 5, 9: 9}.get(self.tags[1], 5)
         frame = picture.reformat(format=self.form, dst_colorspace=matrix,
                                  dst_color_range=self.tags[0] or TV)
@@ -91,7 +101,7 @@ class Film:
     def _video(self, out):
         video = out.add_stream(self.codec, 25)
         context = video.codec_context
-        context.width, context.height = SIZE
+        context.width, context.height = self.size
         context.pix_fmt, context.time_base = self.form, BASE
         context.sample_aspect_ratio, context.options = self.aspect, dict(self.options)
         for name, value in zip(TAGS, self.tags):

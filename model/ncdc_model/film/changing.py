@@ -87,7 +87,8 @@ def change_film(source, target, size, change, warn, progress=lambda fraction: No
             work = _Work(reader, out, look, before.begin, warn)
             work.all(change, progress)
         progress(1)
-        for sentence in left_out(before, Facts.of(target), work.streams):
+        kept = replace(before, look=look)
+        for sentence in left_out(kept, Facts.of(target), work.streams):
             warn(f"{target}: {sentence}")
         return Changed(work.count, reader.expected, reader.skipped, reader.repaired,
                        reader.cut_off, before.look.bits, out.bits)

@@ -41,7 +41,7 @@ _READ = (
 
 _PICTURE = "save the photo as PNG or TIFF"
 _FRAME = ("a photo is needed: extract a frame as PNG, as by ffmpeg -ss 1 -i VIDEO -frames:v 1 "
-          "frame.png")
+          "frame.png; ncdc calibrate --live VIDEO measures the lens in the video itself")
 _FILMS = (
     (0, b"\x1aE\xdf\xa3", "Matroska or WebM"), (0, b"\0\0\1\xba", "MPEG"),
     (0, b"\0\0\1\xb3", "MPEG"), (0, b"\0\0\0\1", "H.264 or H.265 stream"),
