@@ -15,7 +15,7 @@ from ncdc_model.film.kept import (
     other_streams,
     stream_facts,
 )
-from ncdc_model.film.look import planes_of, tags_of, transparent
+from ncdc_model.film.look import planes_of, rgb_of, tags_of, transparent
 from ncdc_model.film.reading import opened
 from ncdc_model.film.writing import writing_film
 from ncdc_spec.errors import InputError
@@ -191,7 +191,7 @@ class _Work:
 def _rgb(path, frame):
     """The RGB picture of a ``frame``, uint8."""
     try:
-        return frame.to_ndarray(format="rgb24")
+        return rgb_of(frame)
     except av.FFmpegError as error:
         raise InputError(f"{path} has colours of matrix {frame.colorspace} of H.273, which are not "
                          f"converted to red, green and blue: --film bilinear needs none") from error

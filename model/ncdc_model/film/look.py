@@ -7,9 +7,9 @@ from fractions import Fraction
 import av
 import numpy as np
 from av.sidedata.sidedata import Type
-from av.video.reformatter import ColorRange, Colorspace
+from av.video.reformatter import ColorRange, Colorspace, Interpolation
 
-__all__ = ["COLOUR_TAGS", "Look", "planes_of", "tags_of", "transparent"]
+__all__ = ["COLOUR_TAGS", "Look", "planes_of", "rgb_of", "tags_of", "transparent"]
 
 COLOUR_TAGS = "color_range", "colorspace", "color_primaries", "color_trc"
 _UNSPECIFIED = 2        # of a matrix, primaries and transfer in H.273
@@ -17,6 +17,10 @@ _BT709 = 1
 # swscale's matrix by the number of H.273; others have the primaries' of no common film.
 _MATRICES = {1: Colorspace.ITU709, 4: Colorspace.FCC, 7: Colorspace.SMPTE240M,
              9: Colorspace.BT2020, 10: Colorspace.BT2020}
+# Without these, swscale's fast ways to RGB are two levels too dark.
+_TO_RGB = (Interpolation.BICUBIC | Interpolation.ACCURATE_RND | Interpolation.FULL_CHR_H_INT
+           | Interpolation.FULL_CHR_H_INP)
+_FROM_RGB = Interpolation.BILINEAR | Interpolation.ACCURATE_RND
 _MASTERING = struct.Struct("=20i2i")    # AVMasteringDisplayMetadata: ten fractions, two flags
 
 
@@ -79,13 +83,15 @@ class Look:
     def frame_of(self, rgb, form):
         """A frame of the pixel format ``form``, with the tags, of an ``rgb`` picture, uint8."""
         picture = av.VideoFrame.from_ndarray(np.ascontiguousarray(rgb), "rgb24")
-        return self.tagged(picture.reformat(format=form, **self._conversion))
+        return self.tagged(picture.reformat(format=form, interpolation=_FROM_RGB,
+                                            **self._conversion))
 
     def sampled(self, frame, form):
         """``frame`` in a pixel format ``form`` of Y'CbCr. If it was so before, nothing but the
         number of its samples and their bits change, whatever its matrix."""
         if _is_rgb(frame.format):
-            return self.tagged(frame.reformat(format=form, **self._conversion))
+            return self.tagged(frame.reformat(format=form, interpolation=_FROM_RGB,
+                                              **self._conversion))
         matrix = frame.colorspace
         # swscale rejects a matrix that it cannot convert, even where there is nothing to convert.
         frame.colorspace = _BT709
@@ -125,6 +131,12 @@ class Look:
 _HDR = {"libx264": ("x264-params", "mastering-display", "cll", 1, 1),
         "libx265": ("x265-params", "master-display", "max-cll", 1, 1),
         "libsvtav1": ("svtav1-params", "mastering-display", "content-light", 50000, 10000)}
+
+
+def rgb_of(frame):
+    """The RGB picture of a ``frame``, uint8 (height, width, 3); raises av.FFmpegError if its
+    matrix is none that swscale converts."""
+    return frame.to_ndarray(format="rgb24", interpolation=_TO_RGB)
 
 
 def tags_of(frame):

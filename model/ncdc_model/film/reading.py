@@ -9,6 +9,7 @@ import numpy as np
 from av.stream import Disposition
 
 from ncdc_model.film.ending import WholeBoxes, ends_early
+from ncdc_model.film.look import rgb_of
 from ncdc_spec.errors import InputError
 
 __all__ = ["FilmReader", "frame_shape", "opened", "pictures_of"]
@@ -160,4 +161,4 @@ def pictures_of(path, pause=0.0):
                 seconds = float(frame.time or 0.0)
                 if seconds - last >= pause - 1e-6:
                     last = seconds
-                    yield frame.to_ndarray(format="rgb24"), seconds
+                    yield rgb_of(frame), seconds
