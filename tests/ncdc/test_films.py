@@ -125,16 +125,17 @@ def test_the_samples_of_colour_are_where_decoders_take_them_to_be():
     v, u = np.indices((height, width)).astype(np.float32)
     map_x, map_y = 3 + .8 * u + .1 * v, 2 + .7 * v - .02 * u
     blank = np.zeros((height, width), bool)
-    blank[:10, 7:] = True           # an odd column
+    blank[:11, 7:] = True           # an odd row, and an odd column
     x, y = 2 * u[:height // 2, :width // 2], 2 * v[:height // 2, :width // 2] + .5
     planes = [(4 * u + v).astype(np.uint16) * 100, (400 * x + 100 * y).astype(np.uint16)]
     whole, part = PlaneMaps(map_x, map_y, blank, cv2.INTER_LINEAR)(planes, (1, 2))
     # OpenCV's remap takes a 32nd of a pixel.
     np.testing.assert_allclose(whole[~blank], (400 * map_x + 100 * map_y)[~blank], atol=10)
-    half = blank[::2, ::2]
+    half = blank[::2, ::2] & blank[1::2, ::2]
+    y += .5 * blank[::2, ::2]       # beside a row without a source, the other row's counts
     wanted = 400 * (3 + .8 * x + .1 * y) + 100 * (2 + .7 * y - .02 * x)
     np.testing.assert_allclose(part[~half], wanted[~half], atol=20)
-    assert (whole[blank] == 1).all() and (part[half] == 2).all()
+    assert (whole[blank] == 1).all() and (part[half] == 2).all() and half[4, 4] and not half[5, 4]
 
 
 def tracks(path):
@@ -237,6 +238,18 @@ def test_a_damaged_packet_is_skipped_and_counted(folder, capsys, suffix, codec):
     report = json.loads((folder / "report.json").read_text())
     assert (report["pictures"], report["packets_skipped"]) == (COUNT - 1, 1)
     assert len(frames_of(f"straight.{suffix}")) == COUNT - 1
+
+
+def test_packets_that_a_decoder_drops_without_a_word_are_counted(folder, capsys):
+    """H.265: pictures that are predicted from a damaged one."""
+    film = Film("damaged.mov", "libx265", options={"x265-params": f"{QUIET}:bframes=0"}).write()
+    offset, part = packets(film)[4]
+    content = bytearray(open(film, "rb").read())
+    content[offset + 4:offset + 6] = b"\xff\xff"        # the header of the unit
+    open(film, "wb").write(content)
+    assert corrected(capsys, film, "straight.mov")[0] == 0
+    report = json.loads((folder / "report.json").read_text())
+    assert report["packets_skipped"] == COUNT - report["pictures"] >= 1
 
 
 @pytest.mark.parametrize("name,codec,container", [
