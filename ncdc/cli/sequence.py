@@ -16,11 +16,10 @@ from ncdc.cli.film_crop import film_crop
 from ncdc.cli.view_angles import view_of
 from ncdc.terminal import Progress, Steps, say
 from ncdc_model.correction import coloured, correct, correction_of, default_model
-from ncdc_model.film.remapping import PlaneMaps
 from ncdc_model.images import FILMS, is_film_name, mosaic, write_image
 from ncdc_model.pc_camera import is_pc_camera, opened_camera
 from ncdc_model.raw_dump import RawDump
-from ncdc_model.remap_tables import remap_tables
+from ncdc_model.remap_tables import PlaneMaps, remap_tables
 from ncdc_spec.descriptor import Descriptor
 from ncdc_spec.errors import InputError
 from ncdc_spec.interpolation import CRESTS

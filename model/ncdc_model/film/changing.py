@@ -158,11 +158,7 @@ class _Work:
         out.write_planes(change(planes, seconds, out.samples_of), like=frame)
 
     def _check(self, frame):
-        """Reject or name what a ``frame`` has that the first one has not."""
-        if frame.interlaced_frame:
-            path = self._reader.path
-            raise InputError(f"{path} is interlaced, each of its pictures is two of half the rows: "
-                             f"split them first, as by ffmpeg -i {path} -vf bwdif split.mkv")
+        """Name what is left out of a ``frame``, the first time."""
         if self._look.alpha and "alpha" not in self._said and transparent(frame):
             self._warn(f"{self._reader.path}: its alpha channel is left out")
             self._said.add("alpha")

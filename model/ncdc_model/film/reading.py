@@ -91,12 +91,22 @@ class FilmReader:
         self._partial = packet.is_corrupt
 
     def frames(self, packet):
-        """Pictures that ``packet`` of theirs gives; none if it is damaged."""
+        """Pictures that ``packet`` of theirs gives; none if it is damaged.
+
+        Raises
+        ------
+        InputError
+            If one is interlaced.
+        """
         try:
             frames = packet.decode()
         except av.FFmpegError:
             self._errors += 1
             return []
+        if any(frame.interlaced_frame and not frame.is_corrupt for frame in frames):
+            raise InputError(f"{self.path} is interlaced, each of its pictures is two of half the "
+                             f"rows: split them first, as by ffmpeg -i {self.path} -vf bwdif "
+                             f"split.mkv")
         self._decoded += len(frames)
         self.repaired += sum(frame.is_corrupt for frame in frames)
         return frames
