@@ -360,3 +360,18 @@ def test_a_film_with_other_tags_in_its_middle_is_named(folder, capsys):
     (folder / "joined.ts").write_bytes(joined)
     status, said = corrected(capsys, "joined.ts", "straight.mkv")
     assert status == 0 and "joined.ts: its colours' tags change at" in said[0]
+
+
+def test_a_time_code_is_kept_and_data_without_a_name_is_not(folder, capsys):
+    """A stream of four letters that FFmpeg does not know would be written without them."""
+    film = Film("coded.mov", timecode="01:02:03:04").write()
+    assert corrected(capsys, film, "straight.mov") == (0, [])
+    for path in (film, "straight.mov"):
+        with av.open(path) as opened:
+            assert [stream.metadata["timecode"] for stream in opened.streams.data] == [
+                "01:02:03:04"]
+    film = Film("sensor.mp4", data=True).write()
+    content = open(film, "rb").read()
+    open(film, "wb").write(content.replace(b"gpmd", b"mebx"))
+    assert corrected(capsys, film, "straight.mov") == (
+        0, ["stream 1 (data, sensor) is left out: .mov holds none such"])

@@ -41,6 +41,7 @@ class Film:
     late: float = 0.0           # seconds at which the sound begins
     data: bool = False          # samples of a sensor, as action cameras write them
     chapters: bool = False
+    timecode: str = ""
     second: bool = False        # another video stream
     alpha: float = 1.0
     size: tuple = SIZE
@@ -51,6 +52,8 @@ class Film:
         """Write the film into the working folder."""
         with av.open(self.name, "w", options=self.container) as out:
             video = self._video(out)
+            if self.timecode:
+                video.metadata["timecode"] = self.timecode
             others = [self._sound(out, language) for language in self.sound]
             extra = self._video(out) if self.second else None
             data = out.add_data_stream("bin_data") if self.data else None

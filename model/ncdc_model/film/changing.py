@@ -194,7 +194,12 @@ def _rgb(path, frame):
 
 
 def _taken(form, stream):
-    """Whether a container of the format ``form`` takes the packets of a ``stream``."""
+    """Whether a container of the format ``form`` takes the packets of a ``stream``.
+
+    Data that FFmpeg has no name for it would write without the four letters that say what it is.
+    """
+    if stream.type == "data" and stream.name is None:
+        return False
     try:
         with av.open(io.BytesIO(), "w", format=form) as trial:
             trial.add_stream_from_template(stream)

@@ -37,9 +37,11 @@ def copied_metadata(metadata):
 
 
 def other_streams(reader):
-    """Streams besides the pictures, but for the text of chapters, which is read as chapters."""
+    """Streams besides the pictures, but for the text of chapters and the time code: they are read
+    as chapters and as a tag of the pictures, and the container makes streams of them again."""
     return [stream for stream in reader.film.streams if stream is not reader.pictures
-            and not (stream.type == "data" and stream.discard == Discard.all)]
+            and not (stream.type == "data" and (
+                stream.discard == Discard.all or "timecode" in stream.metadata))]
 
 
 @dataclass(frozen=True)
@@ -83,9 +85,19 @@ class Facts:
             film, begin = reader.film, float(frame.time or 0)
             return cls(Look.of(frame, reader.pictures.sample_aspect_ratio),
                        begin, frame.pts is not None,
-                       copied_metadata(film.metadata), film.chapters(),
+                       copied_metadata(film.metadata) | _of_pictures(reader.pictures.metadata),
+                       film.chapters(),
                        [stream_facts(stream, begin) for stream in other_streams(reader)
                         if stream.type != "video"])
+
+
+def _of_pictures(metadata):
+    """The time code and the language among the tags of the pictures."""
+    found = {key.lower(): value for key, value in metadata.items()}
+    if found.get("language") == "und":      # what some containers say of none
+        del found["language"]
+    return {f"{key} of the pictures": found[key] for key in ("timecode", "language")
+            if key in found}
 
 
 def left_out(before, after, copied):
@@ -115,6 +127,8 @@ def left_out(before, after, copied):
         yield f"tags of the film are left out: {', '.join(sorted(lost))}"
     if len(after.chapters) < len(before.chapters):
         yield f"{len(before.chapters)} chapters are left out"
+    for kind, language, _ in copied[len(after.streams):]:
+        yield f"a stream of kind {kind}, language {language}, is left out"
     for (kind, language, begin), (_, now, later) in zip(copied, after.streams):
         if language != now:
             yield f"the language {language} of a stream of kind {kind} is left out"
