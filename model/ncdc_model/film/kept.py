@@ -41,7 +41,9 @@ def other_streams(reader):
     as chapters and as a tag of the pictures, and the container makes streams of them again."""
     return [stream for stream in reader.film.streams if stream is not reader.pictures
             and not (stream.type == "data" and (
-                stream.discard == Discard.all or "timecode" in stream.metadata))]
+                # Sony's samples have time codes too, one a picture.
+                stream.discard == Discard.all
+                or "timecode" in stream.metadata and stream.frames <= 1))]
 
 
 @dataclass(frozen=True)

@@ -16,6 +16,8 @@ __all__ = ["FilmReader", "frame_shape", "opened", "pictures_of"]
 
 _AT_ONCE = 100                  # errors without a packet in between, after which a film has ended
 
+_HIDING = "vp8", "vp9", "mpeg4"     # of which a packet may hold no picture that is shown
+
 
 @contextmanager
 def opened(path):
@@ -114,6 +116,8 @@ class FilmReader:
     @property
     def skipped(self):
         """See the class; to be asked at the end, since decoders hold pictures back."""
+        if self.pictures.codec_context.name in _HIDING:
+            return self._errors
         # Some decoders drop what is damaged and report no error.
         return max(self._errors, self._packets - self._decoded)
 
