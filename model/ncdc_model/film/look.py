@@ -5,6 +5,7 @@ from dataclasses import dataclass, field
 from fractions import Fraction
 
 import av
+import cv2
 import numpy as np
 from av.sidedata.sidedata import Type
 from av.video.reformatter import ColorRange, Colorspace, Interpolation
@@ -82,9 +83,14 @@ class Look:
 
     def frame_of(self, rgb, form):
         """A frame of the pixel format ``form``, with the tags, of an ``rgb`` picture, uint8."""
-        picture = av.VideoFrame.from_ndarray(np.ascontiguousarray(rgb), "rgb24")
-        return self.tagged(picture.reformat(format=form, interpolation=_FROM_RGB,
-                                            **self._conversion))
+        height, width = rgb.shape[:2]
+        picture = av.VideoFrame.from_ndarray(np.ascontiguousarray(rgb), "rgb24").reformat(
+            format="444p".join(form.split(f"{_chroma(form)}p")), interpolation=_FROM_RGB,
+            **self._conversion)
+        made = self.tagged(av.VideoFrame(width, height, form))
+        for target, plane in zip(planes_of(made), planes_of(picture), strict=True):
+            target[:] = _reduced(plane, target.shape)
+        return made
 
     def sampled(self, frame, form):
         """``frame`` in a pixel format ``form`` of Y'CbCr. If it was so before, nothing but the
@@ -151,6 +157,21 @@ def tags_of(frame):
 
 def _decimal(value, unit):
     return f"{value / unit:.6f}".rstrip("0").rstrip(".")
+
+
+def _chroma(form):
+    return form.removeprefix("yuv")[:3]
+
+
+def _reduced(plane, shape):
+    """A plane of colour with fewer columns and rows, whose samples lie where decoders take them to
+    be: on the first of two columns, between two rows."""
+    if plane.shape[1] > shape[1]:
+        plane = cv2.sepFilter2D(plane, -1, np.array([.25, .5, .25]), np.ones(1),
+                                borderType=cv2.BORDER_REPLICATE)[:, ::2]
+    if plane.shape[0] > shape[0]:
+        plane = (plane[::2].astype(np.uint32) + plane[1::2] + 1) // 2
+    return plane
 
 
 def _is_rgb(layout):
