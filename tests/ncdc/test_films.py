@@ -118,9 +118,9 @@ def test_colours_and_tags(folder, lens, film, capsys, request):
     with capsys.disabled():
         if request.config.getoption("capture") == "no":
             print(f"{film.name}: {mean:.2f} levels from FFmpeg's remap, their mean {colour:.2f}")
-    assert mean < 2 and colour < 1
+    assert mean < 2 and colour < 1.5
     if film.form != "gray":
-        assert np.abs(made[:, filled].mean(axis=(0, 1)) - lens.geometry.fill).max() < 4
+        assert np.abs(made[:, filled].mean(axis=(0, 1)) - lens.geometry.fill).max() < 5
 
 
 def test_the_samples_of_colour_are_where_decoders_take_them_to_be():
