@@ -56,7 +56,6 @@ FILMS = [
     Film("vp9.webm", "libvpx-vp9", tags=(TV, *SDR_709), options={"crf": "4", "b": "0"}),
     Film("av1.webm", "libsvtav1", "yuv420p10le", (TV, *HDR), {"crf": "5"}),
 ]
-SLOW = "av1.webm",
 
 
 @pytest.fixture(scope="module")
@@ -92,9 +91,7 @@ def stated(path):
                 **{name: getattr(frame, name) for name in TAGS}}
 
 
-@pytest.mark.parametrize("film", [
-    pytest.param(film, id=film.name, marks=[pytest.mark.longer] * (film.name in SLOW))
-    for film in FILMS])
+@pytest.mark.parametrize("film", FILMS, ids=lambda film: film.name)
 def test_colours_and_tags(folder, lens, film, capsys, request):
     output = f"straight{film.name[film.name.index('.'):]}"
     output += "" if output.endswith(("mp4", "mov", "mkv", "webm", "avi")) else ".mp4"
