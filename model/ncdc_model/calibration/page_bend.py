@@ -25,6 +25,7 @@ _USUAL_BENT = 0.003    # the same of a page that may be bent
 _DEGREES = 2, 6        # of the polynomial
 _DENSE = 200           # points of each photo for the higher degree
 _PROVEN = 4.0, 12.0    # chi-square per coefficient from which a height of that degree is proven
+_LEAST = 1e-4           # of the length: a page of less sag is flat, whatever the chi-square
 _MORE = 3.0            # ratio of chi-squares from which the higher degree is taken
 _SOME, _MOST = 2000, 8000      # points of all photos that a search uses, and an estimate
 _ROUNDS = 12
@@ -112,7 +113,8 @@ def find_bend(size, photos, near):
     best, most = None, 0.0
     for degree, proven in zip(_DEGREES, _PROVEN):
         bend, chi = _fitted(size, some, near, length, degree)
-        if chi < proven * bend.coefficients.size or chi < _MORE * most:
+        if (chi < max(proven * bend.coefficients.size, _MORE * most)
+                or bend.sag([index for index, _ in some]) < _LEAST):
             break
         best, most = bend, chi
         if not dense:
