@@ -128,13 +128,16 @@ def effect(camera, without):
 
 
 def _moved(camera, without):
-    """Pixels (2, n) by which a flaw moves points all over the picture, apart from the view."""
+    """Pixels (2, n) by which a flaw moves points all over the picture, apart from the view;
+    not-a-number where the lens sees nothing."""
     x, y = (part.ravel() for part in np.meshgrid(
         *(np.linspace(0, side - 1.0, count) for side, count in zip(camera.size, _GRID))))
     a, b = camera.undistort(x, y)
     known = np.isfinite(a) & np.isfinite(b)
+    moved = np.full((2, len(x)), np.nan)
     a, b, x, y = (part[known] for part in (a, b, x, y))
-    return np.subtract(fitted_plane(without, a, b, x, y)(a, b), (x, y))
+    moved[:, known] = np.subtract(fitted_plane(without, a, b, x, y)(a, b), (x, y))
+    return moved
 
 
 def _magnitude_error(vector, covariance):

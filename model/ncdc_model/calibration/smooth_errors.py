@@ -35,9 +35,12 @@ class Estimate:
         Of the parameters of the vector, and of further ones, see :meth:`of`.
     step : ndarray, shape (m,)
         From the vector to the estimate with all parameters free.
+    alike : float
+        The factor k of this module.
     """
     covariance: np.ndarray
     step: np.ndarray
+    alike: float
 
     @classmethod
     def of(cls, problem, vector, more=None, spread=(), share=1.0):
@@ -56,7 +59,8 @@ class Estimate:
         inner = max(float(np.mean(np.abs(rest) <= ROBUST)), 0.1)
         free = max(count - len(rows), count / 8)
         variance = max((near @ near) / free / inner**2, _LEAST**2)
-        variance *= share * _alike(problem, near.reshape(-1, 2), len(vector))
+        alike = _alike(problem, near.reshape(-1, 2), len(vector))
+        variance *= share * alike
         prior = np.zeros(len(rows))
         usual = problem.units(vector) / SPREAD
         prior[:LENS], prior[len(vector):] = usual**2, np.asarray(spread, np.float64)**-2.0
@@ -67,7 +71,7 @@ class Estimate:
         scale = 1 / np.sqrt(np.maximum(np.diag(matrix), 1e-300))
         covariance = np.linalg.pinv(matrix * np.outer(scale, scale), 1e-14, hermitian=True)
         covariance *= np.outer(scale, scale)
-        return cls(covariance, -covariance @ (rows @ near / variance + pull))
+        return cls(covariance, -covariance @ (rows @ near / variance + pull), alike)
 
     @property
     def lens(self):
