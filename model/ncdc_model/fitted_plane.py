@@ -3,9 +3,14 @@
 import cv2
 import numpy as np
 
+from ncdc_model.calibration.descent import descend
 from ncdc_spec.errors import InputError
 
 __all__ = ["fitted_plane"]
+
+_PROBE = 1e-6          # of a homography's number: step of a derivative
+_FAR = 100.0           # pixels, of a point that the lens does not see
+_NEVER = 1e6           # pixels: no residual counts linearly
 
 
 def fitted_plane(camera, u, v, x, y):
@@ -27,7 +32,11 @@ def fitted_plane(camera, u, v, x, y):
 
     def residuals(parameters):
         a, b = through(np.append(parameters, 1).reshape(3, 3))(u, v)
-        return np.nan_to_num(np.concatenate([a - x, b - y]), nan=100.0)
-    from scipy.optimize import least_squares  # a third of a second that few commands need
-    fit = least_squares(residuals, (start / start[2, 2]).ravel()[:8], x_scale="jac")
-    return through(np.append(fit.x, 1).reshape(3, 3))
+        return np.nan_to_num(np.concatenate([a - x, b - y]), nan=_FAR)
+
+    def derivatives(parameters):
+        steps = np.diag(_PROBE * np.maximum(np.abs(parameters), _PROBE))
+        return np.stack([(residuals(parameters + step) - residuals(parameters - step))
+                         / (2 * step.max()) for step in steps])
+    found, _ = descend(residuals, derivatives, (start / start[2, 2]).ravel()[:8], _NEVER)
+    return through(np.append(found, 1).reshape(3, 3))
