@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.polynomial.chebyshev import chebvander
 
-from ncdc_model.calibration.smooth_errors import Estimate
+from ncdc_model.calibration.smooth_errors import Estimate, forms
 from ncdc_model.calibration.smooth_problem import Problem
 from ncdc_model.calibration.smooth_vector import FLAWS, camera_of, planes_of
 
@@ -151,14 +151,15 @@ def _lens(size, vector, near):
 
 def estimate_of(size, photos, fit):
     """:class:`Estimate` of a fit of ``photos``, whose page may have a cylinder's and a saddle's
-    bend of :data:`USUAL` size on each. The further parameters are those of the bend."""
+    bend of :data:`USUAL` size on each, and whose lens may have further terms of its decentring."""
     every = Problem(size, photos)
     problem = every.part(_MOST)
     some = list(zip(problem.indices, problem.points))
     length = _length(problem.indices)
     moves = _moves(fit, some, [_columns(index, length) for index in problem.indices], length)
-    return Estimate.of(problem, fit.vector, moves, [USUAL] * len(moves),
-                       len(problem.owner) / len(every.owner))
+    further, sizes = forms(problem, fit.vector)
+    return Estimate.of(problem, fit.vector, np.concatenate([moves, further]),
+                       [*[USUAL] * len(moves), *sizes], len(problem.owner) / len(every.owner))
 
 
 def bent_lenses(size, indices, fit, sag):

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ncdc_model.calibration.refine import refine
-from ncdc_model.calibration.smooth_errors import Estimate, shown
+from ncdc_model.calibration.smooth_errors import shown
 from ncdc_model.calibration.smooth_problem import MIN_POINTS, ROBUST, Problem
 from ncdc_model.calibration.smooth_vector import FLAWS, camera_of, planes_of, project
 from ncdc_model.lens import Camera
@@ -128,14 +128,16 @@ def _started(problem, near, enough):
     if near is None:
         vector, prior, flaws = part.searched(enough)
     else:
-        prior, flaws = near.prior, tuple(FLAWS)
-        vector, _ = part.solved(near.vector, prior, flaws)
+        vector, prior, flaws = near.vector, near.prior, tuple(FLAWS)
     if enough or not flaws:
         return vector, prior, flaws
-    flaws = shown(Estimate.of(problem, vector), vector)
-    if flaws == tuple(FLAWS):
-        return vector, prior, flaws
-    return part.solved(vector, prior, flaws)[0], prior, flaws
+    flaws, vector = shown(problem, part, vector, prior)
+    if near is None and flaws != tuple(FLAWS):
+        # Without flaws that were left out another minimum may be lower, and the prior has more
+        # weight.
+        fits = [part.solved(start, 1.0, flaws) for start in (vector, *part.guesses[:2])]
+        vector, prior = part.settled(min(fits, key=lambda fit: fit[1])[0], flaws)
+    return vector, prior, flaws
 
 
 def misfit(size, photos):

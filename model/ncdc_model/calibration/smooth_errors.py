@@ -16,13 +16,19 @@ from dataclasses import dataclass
 import numpy as np
 
 from ncdc_model.calibration.smooth_problem import ROBUST, SPREAD, deviation
-from ncdc_model.calibration.smooth_vector import FLAWS, LENS
+from ncdc_model.calibration.smooth_vector import DECENTRING, FLAWS, LENS, lens_of, project
+from ncdc_model.lens import BrownWeng
 
-__all__ = ["Estimate", "shown"]
+__all__ = ["Estimate", "forms", "shown"]
 
 _CELLS = (4, 8, 16)    # cells across the picture, over which residuals are summed
 _LEAST = 1e-3          # pixels: standard deviation of exact points
-_WORTH = 2.0           # per parameter: flaws that explain less chi-square are left out (Akaike)
+# Chi-square per parameter below which flaws are left out: Akaike's, times the root of k, since
+# flaws would absorb a bent page, or an uneven lens.
+_WORTH = 2.0
+_FORMS = 6             # further terms of decentring and thin prism
+_FORM, _TINY = 0.5, 3e-5        # their usual size, in parts of the decentring, and at least
+_PROBE = 1e-5          # of such a term: step of a derivative
 
 
 @dataclass(frozen=True)
@@ -37,10 +43,13 @@ class Estimate:
         From the vector to the estimate with all parameters free.
     alike : float
         The factor k of this module.
+    variance : float
+        k s^2 of this module, in square pixels.
     """
     covariance: np.ndarray
     step: np.ndarray
     alike: float
+    variance: float
 
     @classmethod
     def of(cls, problem, vector, more=None, spread=(), share=1.0):
@@ -71,7 +80,8 @@ class Estimate:
         scale = 1 / np.sqrt(np.maximum(np.diag(matrix), 1e-300))
         covariance = np.linalg.pinv(matrix * np.outer(scale, scale), 1e-14, hermitian=True)
         covariance *= np.outer(scale, scale)
-        return cls(covariance, -covariance @ (rows @ near / variance + pull), alike)
+        return cls(covariance, -covariance @ (rows @ near / variance + pull),
+                   alike, variance)
 
     @property
     def lens(self):
@@ -81,33 +91,77 @@ class Estimate:
         return self.covariance[:LENS, :LENS] + np.outer(step, step)
 
 
-def shown(estimate, vector):
-    """Names of the :data:`FLAWS` that the points show.
+def forms(problem, vector):
+    """Derivatives (6, 2 n) of the residuals by further terms of decentring and thin prism, whose
+    form differs from lens to lens, and their usual sizes (6,).
 
-    Beginning with all flaws, the one that explains least is left out as long as it explains
-    less than chance does. That is Akaike's criterion.
+    The terms are those of :class:`BrownWeng` times q and q^2. A lens whose decentring acts on
+    ideal coordinates, as in OpenCV's model, has them.
+    """
+    lens, rays = lens_of(vector), problem.rays(vector)
+    plain, rows = np.stack(project(lens, *rays), axis=1).ravel(), []
+    for number in range(_FORMS):
+        lens.decentring = _Further(lens_of(vector).decentring, number)
+        rows.append((np.stack(project(lens, *rays), axis=1).ravel() - plain) / _PROBE)
+    along = np.hypot(*vector[DECENTRING][:2])
+    return np.nan_to_num(rows), np.full(_FORMS, _FORM * along + _TINY)
+
+
+@dataclass(frozen=True)
+class _Further:
+    """A decentring ``base`` with a small further term, the ``number``-th."""
+    base: BrownWeng
+    number: int
+
+    def distort(self, x, y):
+        q = x * x + y * y
+        terms = ((q + 2 * x * x) * q, 2 * x * y * q), (2 * x * y * q, (q + 2 * y * y) * q)
+        (a, b), power = {0: (terms[0], 1), 1: (terms[1], 1), 2: (terms[0], q), 3: (terms[1], q),
+                         4: ((q * q, 0 * q), 1), 5: ((0 * q, q * q), 1)}[self.number]
+        xd, yd = self.base.distort(x, y)
+        return xd + _PROBE * power * a, yd + _PROBE * power * b
+
+
+def shown(problem, part, vector, prior):
+    """The flaws that points show, and the fit with them alone.
+
+    Beginning with all :data:`FLAWS`, each is left out if that costs no more chi-square than noise
+    would: Akaike's criterion, made stricter where residuals are alike.
 
     Parameters
     ----------
-    estimate : Estimate
-        At ``vector``, the parameters of a fit with all flaws.
+    problem, part : Problem
+        All points, and some of them, to which the fits are made.
+    vector : ndarray
+        Parameters of a fit with all flaws.
+    prior : float
+        Its weight of the prior.
+
+    Returns
+    -------
+    (flaws, vector)
     """
-    value, covariance = vector + estimate.step[:len(vector)], estimate.covariance
-    value, covariance, left = value[:LENS].copy(), covariance[:LENS, :LENS].copy(), dict(FLAWS)
-    while left:
-        weights = {}
-        for name, numbers in left.items():
-            part = np.ix_(numbers, numbers)
-            weights[name] = value[list(numbers)] @ np.linalg.solve(
-                covariance[part], value[list(numbers)]) / len(numbers)
-        name = min(weights, key=weights.get)
-        if weights[name] >= _WORTH:
-            break
-        numbers = list(left.pop(name))
-        gain = np.linalg.solve(covariance[np.ix_(numbers, numbers)], covariance[numbers]).T
-        value -= gain @ value[numbers]
-        covariance -= gain @ covariance[numbers]
-    return tuple(left)
+    estimate = Estimate.of(problem, vector)
+    worth = _WORTH * (estimate.alike if problem.owner.max() == 0 else np.sqrt(estimate.alike))
+    flaws, centred = tuple(FLAWS), vector.copy()
+    # A decentring that its higher terms reverse is another minimum.
+    centred[DECENTRING] = 0
+    vector, cost = min((part.solved(start, prior, flaws) for start in (vector, centred)),
+                       key=lambda fit: fit[1])
+    every = len(problem.owner) / len(part.owner)
+    for name in sorted(FLAWS, key=lambda name: _weight(estimate, vector, FLAWS[name])):
+        others = tuple(other for other in flaws if other != name)
+        found, without = part.solved(vector, prior, others)
+        if 2 * every * (without - cost) < worth * len(FLAWS[name]) * estimate.variance:
+            flaws, vector, cost = others, found, without
+    return flaws, vector
+
+
+def _weight(estimate, vector, numbers):
+    """Chi-square per parameter by which parameters ``numbers`` differ from zero."""
+    value = (vector + estimate.step[:len(vector)])[list(numbers)]
+    return value @ np.linalg.solve(estimate.covariance[np.ix_(numbers, numbers)],
+                                   value) / len(numbers)
 
 
 def _alike(problem, rest, fitted):

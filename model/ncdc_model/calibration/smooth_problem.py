@@ -1,5 +1,7 @@
 """Fits a smooth camera to the points of photos of a flat target."""
 
+from functools import cached_property
+
 import numpy as np
 
 from ncdc_model.calibration.descent import descend
@@ -72,12 +74,15 @@ class Problem:
 
     def errors(self, vector):
         """Pixels (2 n,) from each point to its projection."""
+        off = np.stack(project(lens_of(vector), *self.rays(vector)), axis=1) - self.measured
+        return np.nan_to_num(off.ravel(), nan=1e4)
+
+    def rays(self, vector):
+        """Directions of the points: arrays (n,) of x, y and z."""
         i, j = self.cells.T
         planes = planes_of(vector)[self.owner]
-        rays = (planes[:, axis, 0] * i + planes[:, axis, 1] * j + planes[:, axis, 2]
-                for axis in range(3))
-        off = np.stack(project(lens_of(vector), *rays), axis=1) - self.measured
-        return np.nan_to_num(off.ravel(), nan=1e4)
+        return [planes[:, axis, 0] * i + planes[:, axis, 1] * j + planes[:, axis, 2]
+                for axis in range(3)]
 
     def residuals(self, vector, prior=1.0):
         """Errors, and ``prior`` times the deviation from the prior."""
@@ -110,23 +115,27 @@ class Problem:
         return descend(lambda vector: self.residuals(vector, prior),
                        lambda vector: self.derivatives(vector, prior, flaws), start, ROBUST)
 
+    @cached_property
+    def guesses(self):
+        """Vectors of lenses without flaws, the likeliest first."""
+        def usual(vector):
+            return np.median(np.abs(self.residuals(vector)))
+        return sorted((min((guess(self.size, focal * self.size[0], aspect, self.indices,
+                                  self.points) for aspect in _ASPECTS), key=usual)
+                       for focal in _FOCALS), key=usual)
+
     def searched(self, enough=0.0):
         """Vector of the best fit, weight of the prior in it, and its flaws: all of them, or none.
 
         ``enough``: pixels of the usual residual on one axis, below which no flaws are looked for.
         """
-        def usual(vector):
-            return np.median(np.abs(self.residuals(vector)))
-        guesses = sorted((min((guess(self.size, focal * self.size[0], aspect, self.indices,
-                                     self.points) for aspect in _ASPECTS), key=usual)
-                          for focal in _FOCALS), key=usual)
         if enough:
-            best, _ = min(map(self.solved, guesses[:2]), key=lambda found: found[1])
+            best, _ = min(map(self.solved, self.guesses[:2]), key=lambda found: found[1])
             plain = self.settled(best, ())
             if self._left(plain[0]) < enough:
                 return *plain, ()
         # Without its flaws first, a lens with pixels that are not square ends in other minima.
-        found = [self.solved(guess, 1.0, tuple(FLAWS)) for guess in guesses[:_STARTS]]
+        found = [self.solved(guess, 1.0, tuple(FLAWS)) for guess in self.guesses[:_STARTS]]
         return *self.settled(min(found, key=lambda fit: fit[1])[0], tuple(FLAWS)), tuple(FLAWS)
 
     def settled(self, vector, flaws):
