@@ -30,6 +30,10 @@ class Flaws:
         :func:`roll` of the first photo.
     uneven_px : float
         Root mean square distance of the points from the smooth lens.
+    aspect : float
+        Pixels per angle along columns over those along rows.
+    focal_px_error, axis_px_error, decentring_px_error, tilt_deg_error, roll_deg_error, aspect_error
+        Standard error of each, float; not-a-number where the photos do not determine it.
     """
     focal_px: float
     axis_px: float
@@ -37,6 +41,13 @@ class Flaws:
     tilt_deg: float
     roll_deg: float
     uneven_px: float
+    aspect: float = float("nan")
+    focal_px_error: float = float("nan")
+    axis_px_error: float = float("nan")
+    decentring_px_error: float = float("nan")
+    tilt_deg_error: float = float("nan")
+    roll_deg_error: float = float("nan")
+    aspect_error: float = float("nan")
 
 
 def flaws_of(camera, frame):
