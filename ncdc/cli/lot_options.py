@@ -58,7 +58,7 @@ def _add_limits(parser):
                 continue
             default = LIMITS[option]
             text = f"{default:g}" if default is not None else "no limit"
-            title = figure.title if option != "max_error" else "error of the map anywhere"
+            title = figure.limit_title or figure.title
             parser.add_argument(f"--{option.replace('_', '-')}", type=float, default=default,
                                 metavar={"px": "PX", "°": "DEG", "%": "PERCENT"}.get(
                                     figure.unit, "N"),

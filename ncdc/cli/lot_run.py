@@ -103,10 +103,12 @@ class _Forecast:
 
     def __call__(self, done):
         """Show that a unit is :class:`Done`; a line of its own says why it does not pass."""
-        self.done += 1
         self.counts[done.verdict] += 1
+        if done.before:
+            self.counts[done.before] -= 1
+        self.done += not done.before
         if done.verdict != PASS:
-            say(f"{done.serial}: {done.verdict}: {done.reasons[0]}")
+            say(f"{done.serial}: {done.verdict}: {done.reasons[-1 if done.before else 0]}")
         each = (time.monotonic() - self.start) / self.done
         end = time.localtime(time.time() + each * (self.waiting - self.done))
         self.progress(self.done / self.waiting,

@@ -76,7 +76,8 @@ def _watch(args, database, request, limits, arrivals):
         with connect(args.scheduler, args.workers, args.timeout) as workers:
             say("ready")
             for done in watch_lot(database, workers, request, limits, args.station, arrivals):
-                say(": ".join([done.serial, done.verdict, *done.reasons[:1]]))
+                say(": ".join([done.serial, done.verdict,
+                               *(done.reasons[-1:] if done.before else done.reasons[:1])]))
     except KeyboardInterrupt:
         return 0
     except SchedulerLost:

@@ -19,11 +19,16 @@ class SchedulerLost(Exception):
 
 @dataclass(frozen=True)
 class Done:
-    """A unit that was judged: its serial number, verdict, reasons, and seconds of work."""
+    """A unit that was judged: its serial number, verdict, reasons, and seconds of work.
+
+    ``before``: its earlier verdict, if it was judged before and the photos of another unit have
+    changed what is known of it; its last reason is the new one.
+    """
     serial: str
     verdict: str
     reasons: list
     seconds: float
+    before: str | None = None
 
 
 def run_lot(database, workers, request, limits, station):
@@ -137,5 +142,6 @@ class _Work:
     def _record(self, tag, outcome):
         serial, number = tag
         verdict = judge(outcome.figures, outcome.warnings, outcome.error, self.limits)
-        if self.database.save(serial, number, outcome, verdict, self.request.seed):
-            yield Done(serial, verdict[0], verdict[2], outcome.seconds)
+        for name, verdict, reasons, before in self.database.save(serial, number, outcome, verdict,
+                                                                 self.request.seed):
+            yield Done(name, verdict, reasons, outcome.seconds, before)
