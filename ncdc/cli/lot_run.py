@@ -6,7 +6,7 @@ from pathlib import Path
 from sqlalchemy import URL
 
 from ncdc.cli.common import add_json, write_report
-from ncdc.cli.lot_options import add_lot_options, checked_options
+from ncdc.cli.lot_options import add_lot_options, checked_options, connected
 from ncdc.lot.database import Database
 from ncdc.lot.figures import FAIL, PASS, VERDICTS
 from ncdc.lot.run import SchedulerLost, run_lot
@@ -79,9 +79,7 @@ def _work(args, database, request, limits):
     waiting = counts["units"] - sum(counts[name] for name in VERDICTS)
     if not waiting:
         return 0
-    from ncdc.lot.workers import connect  # Dask takes a second
-
-    with connect(args.scheduler, args.workers, args.timeout) as workers:
+    with connected(args) as workers:
         forecast = _Forecast(counts, waiting)
         try:
             for done in run_lot(database, workers, request, limits, args.station):

@@ -128,7 +128,8 @@ def judge(figures, warnings, error, limits):
     Parameters
     ----------
     figures : dict
-        Values by name of :data:`FIGURES`; None where nothing is known.
+        Values by name of :data:`FIGURES`, and their errors; None for what the photos do not
+        determine. What was not measured is missing.
     warnings : sequence of str
         What is odd about the photos: such a unit needs a look.
     error : str
@@ -139,10 +140,11 @@ def judge(figures, warnings, error, limits):
     failed = [("no network", error)] if error else []
     odd = []
     for figure in FIGURES:
-        value = figures.get(figure.name)
-        if value is not None:
-            for verdict, reason in _compared(figure, value, figures.get(figure.error), limits):
-                (failed if verdict == FAIL else odd).append((figure.title, reason))
+        value, error = figures.get(figure.name), figures.get(figure.error)
+        if value is None and not (figure.error and figure.name in figures):
+            continue
+        for verdict, reason in _compared(figure, value, error, limits):
+            (failed if verdict == FAIL else odd).append((figure.title, reason))
     odd += [("warning", text) for text in warnings]
     reasons = [reason for _, reason in failed + odd]
     if not reasons:
@@ -156,20 +158,19 @@ def _compared(figure, value, error, limits):
     A figure with a standard error keeps or violates a limit by two of them, else a person decides.
     """
     low, high = limits.get(figure.low), limits.get(figure.high)
-    reach = 0.0
-    if figure.error:
-        reach = math.nan if error is None else _SURE * error
-    text = f"{figure.title}: {figure.text(value, error)}"
+    known = math.nan if value is None else value
+    reach = 0.0 if not figure.error else math.nan if error is None else _SURE * error
     aside = f" from {figure.middle:g}" if figure.middle else ""
-    for limit, above, word in ((low, None if low is None else low - value, "minimum"),
-                               (high, None if high is None else abs(value - figure.middle) - high,
+    for limit, above, word in ((low, None if low is None else low - known, "minimum"),
+                               (high, None if high is None else abs(known - figure.middle) - high,
                                 "maximum")):
         if limit is None or above + reach <= 0:
             continue
+        text = f"{figure.title}: {figure.text(value, error)}"
         bound = f"the {word} is {figure.limit(limit)}{aside}"
         if not figure.error or above - reach > 0:
             yield FAIL, f"{text}, {bound}"
-        elif math.isfinite(reach):
+        elif math.isfinite(above + reach):
             yield LOOK, f"{text}, {bound}: not decided"
         else:
-            yield LOOK, f"{text}, which the photos do not determine, {bound}: not decided"
+            yield LOOK, f"{text}, which the photos do not determine; {bound}: not decided"

@@ -10,6 +10,7 @@ from ncdc_model.images import is_raw
 
 __all__ = ["bad_lines", "blur_ratio", "level_picture", "soft_half"]
 
+_CONTRAST = 30.0        # grey levels, at least, of a picture that shows something
 _BAND = 128             # rows in work at a time
 _PARTS = 8              # of the width: a bad row is one in most of them
 _MOST = 6
@@ -44,7 +45,8 @@ def bad_lines(level):
     Two exchanged rows have smaller steps to the rows around them in the other order. Both hold in
     most parts of the width, unlike a line that stands in front of the camera.
     """
-    contrast = max(float(np.subtract(*np.percentile(level[::4, ::4], (95, 5)))), 1.0)
+    contrast = max(float(np.subtract(*np.percentile(level[::4, ::4], (95, 5)))),
+                   _CONTRAST)
     found = []
     for name, picture in (("row", level), ("column", level.T)):
         odd, swapped = _bad_rows(picture, contrast)

@@ -145,7 +145,8 @@ def _measure(outcome, paths, request):
     if frame is None:
         raise InputError(warnings[0])
     outcome.warnings += warnings
-    outcome.figures |= vars(flaws_of(frame.camera, frame))
+    outcome.figures |= {name: value if np.isfinite(value) else None
+                        for name, value in vars(flaws_of(frame.camera, frame)).items()}
     outcome.figures["straightness_px"] = measured["straightness_rms_px"]
     outcome.figures["disagreement_px"], text = mixed(frame)
     outcome.warnings += filter(None, [text])

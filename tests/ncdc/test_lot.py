@@ -86,7 +86,8 @@ def test_units_are_in_a_csv(photos, tmp_path):
     ("unit,photo\n", "has no unit"),
     ("unit,photo\na/b,a.png\n", "'a/b' has a serial number that is no name"),
     ("unit,photo\n" + "A" * 33 + ",a.png\n", "up to 32 letters"),
-    ("unit,photo,station\nA,a," + 64 * "S" + "\n", "a station of 64 characters"),
+    ("unit,photo,station\nA,a," + 64 * "S" + "\n", "the station of the unit A has 64 characters"),
+    ("unit,photo,station\nA,a,S\x1b[2J\n", r"the station of the unit A is 'S\\x1b\[2J', which has"),
     ("unit,photo,station\nA,a,S1\nA,b,S2\n", "line 3 has the station 'S2' for the unit A"),
     ("\xff", "cannot read")])
 def test_a_bad_csv_is_rejected(tmp_path, text, message):
@@ -289,8 +290,8 @@ def test_the_same_command_goes_on_where_it_was(photos, monkeypatch, capsys):
         return outcome(max_error_px=.7 if serial == "empty" else .2)
 
     @contextmanager
-    def connect(scheduler, count, limit):
-        assert (scheduler, count, limit) == (None, 2, 3600)
+    def connect(scheduler, count, limit, tls):
+        assert (scheduler, count, limit, tls) == (None, 2, 3600, None)
         yield Scripted(answer, 1)
     monkeypatch.setattr("ncdc.lot.workers.connect", connect)
     for status, resumed in ((1, 0), (0, 2), (0, 3)):
@@ -315,7 +316,7 @@ def test_the_commands_of_the_guide_run(tmp_path, monkeypatch, capsys):
     schedulers = []
 
     @contextmanager
-    def connect(scheduler, count, limit):
+    def connect(scheduler, count, limit, tls):
         schedulers.append(scheduler)
         yield Scripted(answer, 1)
 
@@ -359,7 +360,7 @@ def test_the_work_is_that_of_calibrate_and_train(tmp_path):
     write_photos(tmp_path, make_unit(3))
     path = str(tmp_path / "U0003" / "0.png")
     black = str(tmp_path / "black.png")
-    cv2.imwrite(black, np.zeros((240, 320), np.uint8))
+    cv2.imwrite(black, np.zeros((300, 400), np.uint8))
     done = process([path, black], Request("dots", neurons=2, bayer="MONO"))
     assert not done.error and len(done.photo_hashes) == 2
     assert any("black.png" in text for text in done.warnings)
@@ -368,7 +369,7 @@ def test_the_work_is_that_of_calibrate_and_train(tmp_path):
     assert done.digest == train_camera(source, 2).descriptor.digest
     assert done.digest and done.figures["photos_used"] == 1 and done.figures["points"] > 300
     shown = cv2.imdecode(np.frombuffer(done.picture, np.uint8), cv2.IMREAD_COLOR)
-    assert shown.shape == (240, 320, 3)
+    assert shown.shape == (300, 400, 3)
 
 
 def test_an_error_of_the_software_fails_its_unit_alone(tmp_path, monkeypatch):

@@ -31,13 +31,21 @@ def test_a_unit_that_hangs_ends_its_worker(units):
     photos = units["U0003"]
     with connect(count=1, limit=.5) as workers:
         workers.client.run(_hang)
-        workers.submit("hangs", photos, REQUEST)
+        submitted(workers, "hangs", photos, REQUEST)
         assert workers.finished() == [("hangs", None)]
-        workers.client.wait_for_workers(1)
         workers.limit = 600
-        workers.submit("again", photos, REQUEST)
+        submitted(workers, "again", photos, REQUEST)
         [(tag, again)] = workers.finished()
     assert tag == "again" and again.digest
+
+
+def submitted(workers, tag, photos, request):
+    """Submit a unit as soon as a worker is free, within a minute."""
+    for _ in range(600):
+        if len(workers) < workers.slots:
+            return workers.submit(tag, photos, request)
+        time.sleep(.1)
+    raise TimeoutError
 
 
 def _hang():
@@ -50,24 +58,24 @@ def test_three_processes_started_apart_give_the_same_networks(units):
     here, there, photos = {}, {}, units["U0003"]
     with connect(count=1) as workers:
         workers.client.run(_hang)
-        workers.submit("here", photos, REQUEST)
+        submitted(workers, "here", photos, REQUEST)
         # The worker ends while it works: its unit comes back without an outcome.
         [pid] = workers.client.run(os.getpid).values()
         os.kill(pid, signal.SIGKILL)
         assert workers.finished() == [("here", None)]
         for serial in units:
-            workers.submit(serial, units[serial], REQUEST)
+            submitted(workers, serial, units[serial], REQUEST)
             here.update(workers.finished())
     with cluster(2) as processes, connect(processes.address) as workers:
         workers.client.wait_for_workers(2, timeout=60)
         assert workers.slots == 2
         for serial in units:
-            workers.submit(serial, units[serial], REQUEST)
+            submitted(workers, serial, units[serial], REQUEST)
         assert busy(workers.client)
         while len(workers):
             there.update(workers.finished())
         workers.client.run(_hang)
-        workers.submit("lost", photos, REQUEST)
+        submitted(workers, "lost", photos, REQUEST)
         processes.scheduler.kill()
         with pytest.raises(SchedulerLost):
             workers.finished()

@@ -65,7 +65,7 @@ def test_a_page_has_yield_outliers_and_every_unit(here, capsys):
     low, middle, high = report["control_limits"]["focal_px"]
     assert 169 < low < 170.5 < middle < 171.5 < high < 173
     cards = re.search("<h2>Outliers</h2>(.*?)<h2>Worst ten", page, re.DOTALL)[1]
-    assert "focal length 190.0 px, 1" in cards and "px is usual" in cards
+    assert "focal length 190.0 ± 0.1 px, 1" in cards and "px is usual" in cards
     assert "<b>U7</b>" in cards and "<b>U8</b>" in cards and "data:image/jpeg;base64" in cards
     assert re.search("<h2>Worst ten</h2>.*?<b>(U[0-9]+)</b>", page, re.DOTALL)[1] == "U8"
     for cause in ("no network", "largest error of the map", "warning"):

@@ -23,7 +23,7 @@ _SAG = 0.01             # of a bent page's width
 
 # What a product with this lens allows: options of `ncdc lot run`.
 LIMITS = {"max_error": 0.6, "min_coverage": 70, "min_focal": 206, "max_focal": 222, "max_axis": 6,
-          "max_tilt": 2, "max_decentring": 2, "max_roll": 2, "max_aspect": .01, "max_uneven": 0.25}
+          "max_tilt": 2, "max_decentring": 2, "max_roll": 2, "max_aspect": .01, "max_uneven": 0.05}
 
 
 @dataclass(frozen=True)
