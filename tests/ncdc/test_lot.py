@@ -20,7 +20,7 @@ from ncdc.cli.lot_run import database_at
 from ncdc.lot.arrivals import Arrivals
 from ncdc.lot.database import INTERRUPTED, Database
 from ncdc.lot.figures import FIGURES, LIMITS, judge
-from ncdc.lot.identity import IDENTITY, identity
+from ncdc.lot.identity import IDENTITY, differences, identity
 from ncdc.lot.run import SchedulerLost
 from ncdc.lot.units import Unit, find_units, local_photos
 from ncdc.lot.work import Request, process
@@ -133,6 +133,79 @@ def test_a_warning_asks_for_a_look_and_no_network_fails():
     assert judge(GOOD, ["noise"], "", LIMITS) == ("look", "warning", ["noise"])
     assert judge({}, [], "no target", LIMITS) == ("fail", "no network", ["no target"])
     assert judge(GOOD | {"max_error_px": float("nan")}, [], "", LIMITS)[0] == "fail"
+
+
+@pytest.mark.parametrize("value,error,verdict,words", [
+    (1.8, .05, "pass", ""), (1.8, .3, "look", "tilt of the sensor: 1.80 ± 0.30°, the maximum is 2°: "
+                                              "not decided"),
+    (2.2, .3, "look", "2.20 ± 0.30°, the maximum is 2°: not decided"),
+    (2.2, .05, "fail", "tilt of the sensor: 2.20 ± 0.05°, the maximum is 2°"),
+    (0.0, .9, "pass", ""), (0.0, 1.1, "look", "0.00 ± 1.10°, the maximum is 2°: not decided"),
+    (0.5, None, "look", "0.50°, which the photos do not determine; the maximum is 2°"),
+    (9.0, float("nan"), "look", "9.00°, which the photos do not determine"),
+    (None, None, "look", "tilt of the sensor: -, which the photos do not determine")])
+def test_a_limit_is_decided_by_value_and_error(value, error, verdict, words):
+    """Within the limit, or beyond it, by two standard errors; otherwise a person decides."""
+    figures = GOOD | {"tilt_deg": value, "tilt_deg_error": error}
+    found, cause, reasons = judge(figures, [], "", LIMITS | {"max_tilt": 2.0})
+    assert found == verdict and words in " ".join(reasons)
+    assert cause == ("" if verdict == "pass" else "tilt of the sensor")
+    assert judge(figures, [], "", LIMITS)[0] == "pass"
+
+
+@pytest.mark.parametrize("figure,verdicts", [
+    ("focal_px", {168.9: "fail", 169.9: "look", 170.1: "look", 170.5: "pass", 172: "pass",
+                  174.9: "look", 175.3: "fail"}),
+    ("roll_deg", {-1.1: "fail", -1.01: "look", -.5: "pass", .99: "look", 1.1: "fail"}),
+    ("aspect", {.98: "fail", .9895: "look", .999: "pass", 1.0105: "look", 1.02: "fail"})])
+def test_limits_on_both_sides_are_decided_by_value_and_error(figure, verdicts):
+    limits = LIMITS | {"min_focal": 170.0, "max_focal": 175.0, "max_roll": 1.0, "max_aspect": .01}
+    errors = {"focal_px_error": .1, "roll_deg_error": .03, "aspect_error": .001}
+    limits = {name: limits[name] for name in limits}
+    for value, verdict in verdicts.items():
+        assert judge(GOOD | errors | {figure: value}, [], "", limits)[0] == verdict, value
+
+
+def test_a_look_is_not_a_fail_and_a_fail_comes_first():
+    limits = LIMITS | {"max_tilt": 2.0}
+    undecided = GOOD | {"tilt_deg": 1.9}
+    assert judge(undecided, ["noise"], "", limits)[:2] == ("look", "tilt of the sensor")
+    verdict, cause, reasons = judge(undecided | {"max_error_px": .7}, ["noise"], "", limits)
+    assert (verdict, cause) == ("fail", "largest error of the map")
+    assert [reason.split(":")[0] for reason in reasons] == [
+        "largest error of the map", "tilt of the sensor", "noise"]
+
+
+def test_a_unit_is_judged_by_the_code_that_is_named(tmp_path, monkeypatch):
+    """The digest is that of the content of all modules, however their lines end."""
+    monkeypatch.syspath_prepend(tmp_path)
+    monkeypatch.setattr("ncdc.lot.identity._PACKAGES", ["judging"])
+    (tmp_path / "judging/part").mkdir(parents=True)
+    (tmp_path / "judging/__init__.py").touch()
+    found = []
+    for content in (b"a = 1\n", b"a = 1\r\n", b"a = 42\n"):
+        (tmp_path / "judging/part/roll.py").write_bytes(content)
+        found.append(identity.__wrapped__())
+    (tmp_path / "judging/part/roll.py").rename(tmp_path / "judging/part/tilt.py")
+    found.append(identity.__wrapped__())
+    assert found[0] == found[1]
+    assert len({one["code"] for one in found}) == 3 and found[0].keys() == IDENTITY.keys()
+    text = differences(found[2] | {"numpy": "1.0"}, found[0])
+    assert text == (f"code of NCDC {found[2]['code']}, here {found[0]['code']}, NumPy 1.0, here "
+                    f"{np.__version__}")
+    assert differences(found[1], found[0]) == ""
+
+
+def test_what_was_hashed_is_what_is_measured(tmp_path, monkeypatch):
+    write_photos(tmp_path, make_unit(3))
+    path = tmp_path / "U0003" / "0.png"
+
+    def late(*_):
+        path.write_bytes((tmp_path / "U0003" / "1.png").read_bytes())
+        return b""
+    monkeypatch.setattr("ncdc.lot.work._first_picture", late)
+    done = process([str(path)], Request("dots"))
+    assert "0.png has changed since the work on the unit began" in done.error
 
 
 def test_a_resumed_lot_loses_nothing_and_repeats_nothing(tmp_path):
@@ -263,6 +336,11 @@ def test_other_options_are_rejected(tmp_path):
     ("units --timeout 0", "--timeout is 0 s, the limits are 1 and 1000000"),
     ("units --timeout nan", "--timeout is nan s"),
     ("units --station " + 64 * "a", "--station has 64 characters, the limits are 1 and 63"),
+    ("units --station \x1b[2J", "--station is '\\x1b[2J', which has characters that are no text"),
+    ("units --tls-ca-file ca.pem --scheduler tls://a:1", "belong together, with --scheduler tls://"),
+    ("units --tls-ca-file a --tls-cert b --tls-key c", "3 of them are given, with --scheduler None"),
+    ("units --scheduler tls://a:1", "--scheduler is tls://a:1, which needs --tls-ca-file"),
+    ("units --max-aspect -1", "--max-aspect is -1, 0 or more is needed"),
     ("units --workers 1 --scheduler tcp://a:1", "the scheduler has its own"),
     ("units --target page", "target is 'page'"), ("units --neurons 40", "the limits are 1 and 32"),
     ("units --seed -1", "seed is -1"), ("units --zoom wide", "zoom is 'wide'"),

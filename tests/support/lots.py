@@ -59,12 +59,12 @@ class Scripted:
         return [(tag, answer)]
 
 
-def begun(where, count=6, station="bench"):
+def begun(where, count=6, station="bench", **limits):
     """:class:`Database` of a lot of ``count`` units U1, U2, ..., in the folder or at the address
-    ``where``."""
+    ``where``; its options have other ``limits``."""
     where = str(where)
     database = Database(where if "://" in where else f"sqlite:///{where}/lot.db", create=True)
-    database.begin(_OPTIONS, [Unit(f"U{k}", (f"/photos/{k}.png",)) for k in range(1, count + 1)],
+    database.begin(_OPTIONS | limits, [Unit(f"U{k}", (f"/photos/{k}.png",)) for k in range(1, count + 1)],
                    station)
     return database
 
