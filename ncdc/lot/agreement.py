@@ -6,13 +6,13 @@ __all__ = ["disagreement", "mixed"]
 
 _COMMON, _OWN = 6, 4        # degrees of the polynomials
 _TIMES = 3.0                # the noise of a point: photos that disagree by more are not of one lens
-_LEAST = 0.03, 1 / 20000    # pixels, and parts of the width: less is no matter
+_MIN = 0.03, 1 / 20000    # pixels, and parts of the width: less is no matter
 
 
 def mixed(frame):
     """The :func:`disagreement` of a frame, and a sentence if it is that of several lenses."""
     off, noise = disagreement(frame)
-    if not off > max(_TIMES * noise, _LEAST[0], _LEAST[1] * frame.camera.size[0]):
+    if not off > max(_TIMES * noise, _MIN[0], _MIN[1] * frame.camera.size[0]):
         return off, ""
     return off, (f"the photos disagree on the lens by {off:.2f} px rms, the noise of their points "
                  f"is {noise:.2f} px: they are not all of this unit, or the page bent or moved")

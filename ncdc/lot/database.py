@@ -26,7 +26,7 @@ JUDGED, DIED, INTERRUPTED = "judged", "died", "interrupted"     # ends of a try
 _ALONE = {"sqlite": "BEGIN IMMEDIATE", "postgresql": "SELECT pg_advisory_xact_lock(1852007523)"}
 _BATCH = 500            # rows that are in memory at a time
 _NET, _PICTURE = "net.toml", "picture.jpg"
-_PATIENCE = 60.0        # seconds for which a lost connection is tried again
+_RETRY = 60.0        # seconds for which a lost connection is tried again
 _RACES = 3              # tries of a unit that may begin and end while one begins
 _PAUSE = 1.0            # seconds between two tries
 
@@ -38,7 +38,7 @@ def _lasting(method):
     """
     @wraps(method)
     def called(self, *arguments, **named):
-        end, told = time.monotonic() + (0 if self.lost else self.patience), False
+        end, waiting = time.monotonic() + (0 if self.lost else self.retry), False
         while True:
             try:
                 result = method(self, *arguments, **named)
@@ -48,13 +48,13 @@ def _lasting(method):
                 if time.monotonic() >= end:
                     self.lost = True        # what ends the command does not wait again
                     raise
-                if not told:
+                if not waiting:
                     say(f"the database does not answer ({reason_of(error)}): trying again for "
-                        f"{self.patience:g} s")
-                told = True
+                        f"{self.retry:g} s")
+                waiting = True
                 time.sleep(_PAUSE)
             else:
-                if told:
+                if waiting:
                     say("the database answers again")
                 return result
     return called
@@ -78,7 +78,7 @@ class Database:
     address : str or sqlalchemy.URL
     create : bool
         Make the tables if there are none.
-    patience : float
+    retry : float
         Seconds for which a connection to a server that is lost later is tried again.
 
     Raises
@@ -87,8 +87,8 @@ class Database:
         If there is no database of a lot, or its tables are of another version.
     """
 
-    def __init__(self, address, create=False, patience=_PATIENCE):
-        self.patience, self.lost = 0.0, False
+    def __init__(self, address, create=False, retry=_RETRY):
+        self.retry, self.lost = 0.0, False
         try:
             self.engine = create_engine(address, pool_pre_ping=True)
             self.address = address = str(self.engine.url)       # without the password
@@ -104,7 +104,7 @@ class Database:
         if schema != str(SCHEMA):
             raise InputError(f"{address} has tables of version {schema}, version {SCHEMA} is "
                              f"needed: a lot is read by the version of NCDC that began it")
-        self.patience = patience
+        self.retry = retry
 
     def close(self):
         """End the connections."""

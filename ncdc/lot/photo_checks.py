@@ -1,6 +1,5 @@
 """What a photo of a unit shows of its sensor and its focus: bad rows, and a soft half."""
 
-import cv2
 import numpy as np
 
 from ncdc_model.calibration.boards import grey_picture
@@ -13,9 +12,9 @@ __all__ = ["bad_lines", "blur_ratio", "level_picture", "soft_half"]
 _CONTRAST = 30.0        # grey levels, at least, of a picture that shows something
 _BAND = 128             # rows in work at a time
 _PARTS = 8              # of the width: a bad row is one in most of them
-_MOST = 6
+_MIN_PARTS = 6
 _STEP, _LIKE = 0.25, 0.15   # of the contrast: a step, and what is none
-_ODD = 0.15             # of the columns in which a row in a wrong place is a step off
+_ODD = 0.15             # of the columns in which a row at a wrong position is a step off
 _WEAK = 0.08            # of the contrast: a row that is off by it in half of the columns is dead
 _NOISE = 6.0            # times the usual distance from the neighbours: no weaker row is seen
 _SWAPPED = 0.73         # of the columns with steps, whose steps are smaller after an exchange
@@ -41,7 +40,7 @@ def level_picture(image):
 def bad_lines(level):
     """Sentences on rows and columns of a :func:`level_picture` that the sensor did not read well.
 
-    A dead row, or one from another place, is a step off both rows next to it, which are alike.
+    A dead row, or one from another position, is a step off both rows next to it, which are alike.
     Two exchanged rows have smaller steps to the rows around them in the other order. Both hold in
     most parts of the width, unlike a line that stands in front of the camera.
     """
@@ -52,7 +51,7 @@ def bad_lines(level):
         odd, swapped = _bad_rows(picture, contrast)
         if odd.any():
             found.append(f"{_listed(name, odd)} unlike the {name}s next to it: dead, or read from "
-                         f"another place")
+                         f"another position")
         if swapped.any():
             found.append(f"{_listed(name, swapped)} exchanged with the next one")
     return found
@@ -90,7 +89,7 @@ def _bad_rows(picture, contrast):
 
 def _everywhere(marked):
     """Mask of the rows that are marked in most parts of the width."""
-    return sum(part.any(axis=1) for part in np.array_split(marked, _PARTS, axis=1)) >= _MOST
+    return sum(part.any(axis=1) for part in np.array_split(marked, _PARTS, axis=1)) >= _MIN_PARTS
 
 
 def soft_half(ratio, name, blur):

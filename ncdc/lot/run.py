@@ -8,9 +8,9 @@ from ncdc.lot.figures import judge
 from ncdc.lot.identity import identity
 from ncdc.lot.work import Outcome
 
-__all__ = ["Done", "REFUSED", "SchedulerLost", "run_lot", "watch_lot"]
+__all__ = ["Done", "REJECTED", "SchedulerLost", "run_lot", "watch_lot"]
 
-REFUSED = "refused"     # instead of an outcome: the worker has other software than it had
+REJECTED = "rejected"     # instead of an outcome: the worker has other software than it had
 _DEATHS = 3             # workers that a unit may end; from the second on it runs alone
 _LOOK = 0.5             # seconds between two looks at what has arrived
 
@@ -113,7 +113,7 @@ class _Work:
             self.database.end(*tag, INTERRUPTED)
 
     def all_of(self, units):
-        """Hand out all ``units``; yield :class:`Done` of each. Without a worker it waits for one."""
+        """Hand out all ``units``; yield :class:`Done` of each. Without a worker it waits."""
         over = False
         while not over or len(self.workers):
             over = yield from self.start(units)
@@ -148,7 +148,7 @@ class _Work:
             time.sleep(seconds)
             return
         for tag, outcome in self.workers.finished(seconds):
-            if outcome is None or outcome is REFUSED:
+            if outcome is None or outcome is REJECTED:
                 self.database.end(*tag, INTERRUPTED if outcome else DIED)
             else:
                 yield from self._record(tag, outcome)
@@ -156,6 +156,6 @@ class _Work:
     def _record(self, tag, outcome):
         serial, number = tag
         verdict = judge(outcome.figures, outcome.warnings, outcome.error, self.limits)
-        for name, verdict, reasons, before in self.database.save(serial, number, outcome, verdict,
-                                                                 self.request.seed):
-            yield Done(name, verdict, reasons, outcome.seconds, before)
+        for name, found, reasons, before in self.database.save(serial, number, outcome, verdict,
+                                                               self.request.seed):
+            yield Done(name, found, reasons, outcome.seconds, before)

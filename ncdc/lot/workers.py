@@ -14,7 +14,7 @@ import dask
 from distributed import Client, KilledWorker, LocalCluster, Security, wait
 
 from ncdc.lot.identity import differences, identity
-from ncdc.lot.run import REFUSED, SchedulerLost
+from ncdc.lot.run import REJECTED, SchedulerLost
 from ncdc.lot.work import Outcome, process
 from ncdc.terminal import say
 from ncdc_spec.errors import InputError
@@ -192,7 +192,7 @@ class Workers:
             say(f"the worker {address} is rejected, it has {why}")
 
     def submit(self, tag, photos, request):
-        """Start the work on a unit, which ``tag`` will name, while there are fewer than ``slots``."""
+        """Start the work on a unit, which ``tag`` will name; there are fewer than ``slots``."""
         free = self._free.copy()
         for _, address in self._running.values():
             if address in free:
@@ -204,8 +204,8 @@ class Workers:
         self._running[future] = tag, address
 
     def finished(self, seconds=None):
-        """Wait for a unit; a list of (tag, :class:`Outcome`, None if its worker died, or REFUSED if
-        it went to another process than the one that was asked).
+        """Wait for a unit; a list of (tag, :class:`Outcome`, None if its worker died, or REJECTED
+        if it went to another process than the one that was asked).
 
         ``seconds``: the list is empty if none is finished by then.
 
@@ -230,11 +230,11 @@ class Workers:
                 return [(tag, self._accepted(address, result)) for tag, address, result in results]
 
     def _accepted(self, address, result):
-        """The result of a unit; REFUSED for the identity of a process that must not judge."""
+        """The result of a unit; REJECTED for the identity of a process that must not judge."""
         if not isinstance(result, dict):
             return result
         self._judge(address, result)
-        return REFUSED
+        return REJECTED
 
     def _orphans(self):
         """(tag, address, None) of the units whose worker has gone: they are waited for no more."""

@@ -51,13 +51,13 @@ def capability(values, errors, low, high):
     sigma, mean = float(np.std(values, ddof=1)), float(np.mean(values))
     error = float(np.sqrt(np.mean(errors**2))) if len(errors) else None
     alone = None if error is None else float(np.sqrt(max(sigma**2 - error**2, 0)))
-    room = min(side for side in (None if low is None else mean - low,
+    nearest = min(side for side in (None if low is None else mean - low,
                                  None if high is None else high - mean) if side is not None)
     width = None if low is None or high is None else high - low
     result = {"mean": mean, "sigma": sigma, "error": error}
     for name, spread in (("", sigma), ("_without_error", alone)):
         result |= {f"cp{name}": width / (6 * spread) if spread and width is not None else None,
-                   f"cpk{name}": room / (3 * spread) if spread else None}
+                   f"cpk{name}": nearest / (3 * spread) if spread else None}
     return result
 
 

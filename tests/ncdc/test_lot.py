@@ -136,8 +136,8 @@ def test_a_warning_asks_for_a_look_and_no_network_fails():
 
 
 @pytest.mark.parametrize("value,error,verdict,words", [
-    (1.8, .05, "pass", ""), (1.8, .3, "look", "tilt of the sensor: 1.80 ± 0.30°, the maximum is 2°: "
-                                              "not decided"),
+    (1.8, .05, "pass", ""),
+    (1.8, .3, "look", "tilt of the sensor: 1.80 ± 0.30°, the maximum is 2°: not decided"),
     (2.2, .3, "look", "2.20 ± 0.30°, the maximum is 2°: not decided"),
     (2.2, .05, "fail", "tilt of the sensor: 2.20 ± 0.05°, the maximum is 2°"),
     (0.0, .9, "pass", ""), (0.0, 1.1, "look", "0.00 ± 1.10°, the maximum is 2°: not decided"),
@@ -161,7 +161,6 @@ def test_a_limit_is_decided_by_value_and_error(value, error, verdict, words):
 def test_limits_on_both_sides_are_decided_by_value_and_error(figure, verdicts):
     limits = LIMITS | {"min_focal": 170.0, "max_focal": 175.0, "max_roll": 1.0, "max_aspect": .01}
     errors = {"focal_px_error": .1, "roll_deg_error": .03, "aspect_error": .001}
-    limits = {name: limits[name] for name in limits}
     for value, verdict in verdicts.items():
         assert judge(GOOD | errors | {figure: value}, [], "", limits)[0] == verdict, value
 
@@ -338,7 +337,7 @@ def test_other_options_are_rejected(tmp_path):
     ("units --station " + 64 * "a", "--station has 64 characters, the limits are 1 and 63"),
     ("units --station \x1b[2J", "--station is '\\x1b[2J', which has characters that are no text"),
     ("units --tls-ca-file ca.pem --scheduler tls://a:1", "belong together, with --scheduler tls://"),
-    ("units --tls-ca-file a --tls-cert b --tls-key c", "3 of them are given, with --scheduler None"),
+    ("units --tls-ca-file a --tls-cert b --tls-key c", "3 of them are given, with --scheduler N"),
     ("units --scheduler tls://a:1", "--scheduler is tls://a:1, which needs --tls-ca-file"),
     ("units --max-aspect -1", "--max-aspect is -1, 0 or more is needed"),
     ("units --workers 1 --scheduler tcp://a:1", "the scheduler has its own"),
@@ -406,7 +405,7 @@ def test_the_commands_of_the_guide_run(tmp_path, monkeypatch, capsys):
     guide = (ROOT / "docs" / "howto" / "production_lot.md").read_text()
     lines = re.findall(r"^    ncdc (lot .*)$", guide, re.MULTILINE)
     actions = [line.split()[1] for line in lines]
-    assert actions == ["run", "watch", "report", "show", "export", "compare", "run"]
+    assert actions == ["run", "watch", "report", "show", "export", "compare", "run", "run"]
     monkeypatch.setattr("ncdc.cli.lot_watch.StationPage", lambda host, port: StationPage(host, 0))
     monkeypatch.setattr("ncdc.cli.lot_watch.Arrivals",
                         lambda folder, count, settle: Arrivals(folder, count, 0))
@@ -417,7 +416,7 @@ def test_the_commands_of_the_guide_run(tmp_path, monkeypatch, capsys):
         if "--scheduler" in line:
             shutil.rmtree("lot")
         assert main(line.split()) == 0, capsys.readouterr().err
-    assert schedulers == [None, None, "tcp://10.0.0.5:8786"]
+    assert schedulers == [None, None, "tcp://10.0.0.5:8786", "tls://10.0.0.5:8786"]
     with closing(database_at("line")) as line:
         assert (line.counts()["units"], line.counts()["pass"]) == (2, 1)
         assert [serial for serial, *_ in line.waiting(suspects=False)] == ["B2"]

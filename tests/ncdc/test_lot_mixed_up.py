@@ -115,11 +115,11 @@ def test_rows_of_the_sensor_are_checked(good):
     dead = level.copy()
     dead[150] = 0
     assert bad_lines(dead) == ["the row 150 is unlike the rows next to it: dead, or read from "
-                               "another place"]
+                               "another position"]
     weak = level.copy()
     weak[:, [100, 260]] *= .8
     assert bad_lines(weak) == ["the columns 100, 260 are unlike the columns next to it: dead, or "
-                               "read from another place"]
+                               "read from another position"]
     far = level.copy()
     far[[120, 129]] = far[[129, 120]]
     assert "120, 129 are unlike" in bad_lines(far)[0]

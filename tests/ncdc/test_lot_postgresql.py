@@ -104,7 +104,7 @@ def test_a_connection_that_is_lost_is_tried_again(running, capsys):
     assert "the database does not answer (" in said and "trying again for 60 s" in said
     assert said.count("the database answers again") >= 1
     running.stop()
-    database.patience = 1.5
+    database.retry = 1.5
     start = time.monotonic()
     with pytest.raises(OperationalError):
         database.counts()

@@ -14,7 +14,7 @@ from distributed import Client
 
 from ncdc.cli import main
 from ncdc.lot.identity import identity
-from ncdc.lot.run import REFUSED, SchedulerLost
+from ncdc.lot.run import REJECTED, SchedulerLost
 from ncdc.lot.work import Request
 from ncdc.lot.workers import Tls, connect
 from ncdc_bench.lot.processes import cluster
@@ -126,8 +126,8 @@ def test_a_worker_with_other_code_is_rejected_by_name(units, tmp_path, capsys):
             # A process that takes the place of the one that was asked says who it is.
             [good] = [address for address, why in workers._rejected.items() if not why]
             workers.client.run(_other_software, workers=[good])
-            submitted(workers, "refused", units["U0003"], REQUEST)
-            assert workers.finished() == [("refused", REFUSED)] and workers.slots == 0
+            submitted(workers, "rejected", units["U0003"], REQUEST)
+            assert workers.finished() == [("rejected", REJECTED)] and workers.slots == 0
     [(tag, outcome)] = done
     assert tag == "good" and outcome.made_by == identity()
     assert abs(outcome.figures["roll_deg"]) < 5
@@ -141,7 +141,7 @@ def _other_software():
 
 
 def test_a_scheduler_with_certificates_is_reached_with_them_only(tmp_path):
-    """Certificates by OpenSSL: of an authority, and of the scheduler, its worker and the command."""
+    """Certificates by OpenSSL: of an authority, and one for all that it signed."""
     made = {}
     for name in ("one", "other"):
         folder = tmp_path / name

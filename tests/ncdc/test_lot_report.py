@@ -15,8 +15,8 @@ from sqlalchemy import insert
 from lots import begun, driven, outcome
 from ncdc.cli import main
 from ncdc.lot.schema import UNITS
-from ncdc.lot.work import Outcome
 from ncdc.lot.units import Unit
+from ncdc.lot.work import Outcome
 from ncdc.report.lot import capability, control_limits
 
 _COUNT = 40

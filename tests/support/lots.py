@@ -28,7 +28,8 @@ _PHOTOS = counted()         # no two units have a photo in common
 def outcome(**figures):
     """:class:`Outcome` of a good unit with other ``figures``."""
     return Outcome(figures=GOOD | figures, descriptor="version = 1\n", digest="0123456789ab",
-                   photo_hashes=[f"{next(_PHOTOS):064x}"], picture=b"jpeg", seconds=2.0, worker="bench", made_by=identity())
+                   photo_hashes=[f"{next(_PHOTOS):064x}"], picture=b"jpeg", seconds=2.0,
+                   worker="bench", made_by=identity())
 
 
 class Scripted:
@@ -64,8 +65,8 @@ def begun(where, count=6, station="bench", **limits):
     ``where``; its options have other ``limits``."""
     where = str(where)
     database = Database(where if "://" in where else f"sqlite:///{where}/lot.db", create=True)
-    database.begin(_OPTIONS | limits, [Unit(f"U{k}", (f"/photos/{k}.png",)) for k in range(1, count + 1)],
-                   station)
+    units = [Unit(f"U{k}", (f"/photos/{k}.png",)) for k in range(1, count + 1)]
+    database.begin(_OPTIONS | limits, units, station)
     return database
 
 

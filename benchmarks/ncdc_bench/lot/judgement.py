@@ -30,8 +30,8 @@ _TRUTHS = {
 def compared(lot, units):
     """Report on the lot in the folder ``lot`` of the :class:`TrueUnit` objects ``units``.
 
-    ``passed_bad``, ``failed_good``, ``looked_at_good``; ``mixed``, good units whose photos another
-    one has as well, which are not among the good ones: ``passed_bad`` has those that pass; ``lost``, units without a verdict;
+    ``passed_bad``, ``failed_good``, ``looked_at_good``; ``mixed``, units whose photos another one
+    has as well, which are bad too; ``lost``, units without a verdict;
     ``repeated``, those judged twice; ``resumed``, those judged at their second try or later;
     ``flaws``: of each kind the largest difference of figure and truth in percent of the truth.
     """
@@ -50,7 +50,8 @@ def compared(lot, units):
               for unit in units if (unit.kind or unit.serial in mixed)
               and rows.get(unit.serial, {}).get("verdict") == "pass"]
     flaws = _flaws(rows, units)
-    return {"units": len(units), "good": len(good), "mixed": len(mixed), "passed_bad": len(missed), "missed": missed,
+    return {"units": len(units), "good": len(good), "mixed": len(mixed),
+            "passed_bad": len(missed), "missed": missed,
             "failed_good": verdicts.count("fail"), "looked_at_good": verdicts.count("look"),
             "resumed": again, "repeated": sum(count > 1 for _, count in ends),
             "lost": len(units) - len(rows), "flaws": flaws,

@@ -143,7 +143,8 @@ def station(folder, lot, *more):
 
 def _dask(*arguments, **environment):
     return subprocess.Popen([sys.executable, "-m", "dask", *map(str, arguments)],
-                            env={**os.environ, **environment}, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+                            env={**os.environ, **environment}, stdout=subprocess.DEVNULL,
+                            stderr=subprocess.DEVNULL)
 
 
 def lot_command(units, lot, *more):
