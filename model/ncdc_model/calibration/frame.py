@@ -8,6 +8,8 @@ from ncdc_model.calibration.points import Fit
 from ncdc_model.calibration.quality import Dropped, check_share
 from ncdc_model.calibration.same_relief import proven
 from ncdc_model.calibration.smooth import MIN_POINTS, SmoothFit, fit_smooth
+from ncdc_model.calibration.smooth_errors import Estimate
+from ncdc_model.calibration.smooth_problem import Problem
 from ncdc_model.calibration.target_flatness import find_relief
 from ncdc_model.lens import Camera, choose_frame
 from ncdc_model.nearest import Nearest
@@ -56,6 +58,8 @@ class IdealFrame:
         Photo and index of the points that are farther off the smooth lens than their neighbours.
     fits : tuple of Fit
         What was fitted, for :attr:`TargetPoints.fits`.
+    estimate : Estimate
+        Standard errors of the last of them.
     """
     camera: Camera
     homographies: tuple
@@ -72,6 +76,7 @@ class IdealFrame:
     numbers: tuple
     gross: tuple = ()
     fits: tuple = ()
+    estimate: Estimate | None = None
 
 
 @one_thread()
@@ -117,8 +122,8 @@ def ideal_frame(points, size=None, zoom="fit"):
                       rms=float(np.sqrt(np.mean(distance**2))), rejected=rejected, along=along,
                       relief=shift, degrees=tuple(part.degree for part in fitted.relief),
                       names=tuple(photo.name for photo in photos), numbers=tuple(numbers),
-                      gross=gross, fits=tuple(Fit(one.vector, one.prior, one.flawed)
-                                              for one in fitted.fits))
+                      gross=gross, estimate=fitted.estimate,
+                      fits=tuple(Fit(one.vector, one.prior, one.flaws) for one in fitted.fits))
 
 
 def _usable_photos(points):
@@ -158,6 +163,7 @@ class _Fitted:
     cells: list
     xy: list
     relief: list
+    estimate: Estimate
 
     @property
     def fit(self):
@@ -187,7 +193,8 @@ def _fit(points, photos):
     if any(part.found for part in relief):
         xy = [point - part.shift for point, part in zip(xy, relief)]
         fit = fitted(fit)
-    return _Fitted(tuple(fits), photos, cells, xy, relief)
+    estimate = Estimate.of(Problem(points.size, list(zip(cells, xy))), fit.vector)
+    return _Fitted(tuple(fits), photos, cells, xy, relief, estimate)
 
 
 def _stated(page, photos, xy, relief):

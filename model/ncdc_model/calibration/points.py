@@ -14,7 +14,7 @@ from ncdc_spec.geometry import MAX_SIZE
 __all__ = ["PAGES", "Fit", "PhotoPoints", "TARGETS", "TargetPoints", "VERSION"]
 
 VERSION = 1
-FIT_VERSION = 1         # of the smooth lens's fit: another one gives other numbers
+FIT_VERSION = 2         # of the smooth lens's fit: another one gives other numbers
 _XY_DIGITS, _AREA_DIGITS = 4, 1         # after the point, in the file
 PAGES = "", "flat", "relief"     # the target's shape, as the user states it
 TARGETS = ("dots", "circles", "acircles", "chessboard", "charuco")
@@ -93,7 +93,7 @@ class Fit:
     """A smooth lens that was fitted to points; see :class:`SmoothFit` for what they mean."""
     vector: np.ndarray
     prior: float
-    flawed: bool
+    flaws: tuple
 
 
 @dataclass(frozen=True)
@@ -264,7 +264,7 @@ class TargetPoints:
                 or table.get("points") != _hash(self._lines())):
             return ()
         fits = tuple(Fit(np.array(fit["vector"], np.float64), float(fit["prior"]),
-                         bool(fit["flawed"])) for fit in table["fits"])
+                         tuple(map(str, fit["flaws"]))) for fit in table["fits"])
         return fits if all(len(fit.vector) >= LENS and np.isfinite(fit.vector).all()
                            for fit in fits) else ()
 
