@@ -54,7 +54,9 @@ class Figure:
             return "-"
         number = f"{value:z.{self.digits}f}"
         if error is not None and math.isfinite(error):
-            number += f" ± {error:.{self.digits}f}"
+            # A small error has a digit that is not 0.
+            digits = max(self.digits, min(6, -math.floor(math.log10(max(error, 1e-6)))))
+            number += f" ± {error:.{digits}f}"
         return self._with_unit(number)
 
     def text_of(self, row):
@@ -100,7 +102,7 @@ FIGURES = (
            limit_title="departure of the pixel aspect from 1"),
     Figure("uneven_px", "unevenness", "px", 3, high="max_uneven", magnitude=True),
     Figure("disagreement_px", "disagreement of the photos", "px", 3, magnitude=True),
-    Figure("blur_ratio", "blur of the softer half over the other", "", 2))
+    Figure("blur_ratio", "blur of one half over the other", "", 2))
 
 ERRORS = tuple(figure.error for figure in FIGURES if figure.error)     # names of columns
 _SURE = 2.0             # standard errors by which a figure has to be on one side of its limit
