@@ -5,7 +5,7 @@ import numpy as np
 __all__ = ["disagreement", "mixed"]
 
 _COMMON, _OWN = 6, 4        # degrees of the polynomials
-_TIMES = 3.0                # the noise of a point: photos that disagree by more are not of one lens
+_TIMES = 2.0                # the noise of a point: photos that disagree by more are not of one lens
 _MIN = 0.03, 1 / 20000    # pixels, and parts of the width: less is no matter
 
 
