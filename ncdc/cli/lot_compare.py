@@ -4,7 +4,7 @@ import numpy as np
 
 from ncdc.cli.common import add_json, write_report
 from ncdc.cli.lot_run import database_at
-from ncdc.lot.figures import FIGURES, VERDICTS
+from ncdc.lot.figures import ERRORS, FIGURES, VERDICTS
 from ncdc.text_table import text_table
 
 __all__ = ["EXAMPLE", "add_arguments", "run"]
@@ -44,24 +44,25 @@ def _summary(lot):
     database = database_at(lot)
     counts = database.counts()
     table = database.columns(["serial", "verdict", "digest",
-                              *(figure.name for figure in FIGURES)])
+                              *(figure.name for figure in FIGURES), *ERRORS])
     database.close()
     judged = max(1, sum(counts[name] for name in VERDICTS))
     texts = ([names[k] for k in numbers] for numbers, names in
              (table["serial"], table["verdict"], table["digest"]))
     return {"share": {name: f"{counts[name]} ({100 * counts[name] / judged:.1f} %)"
                       for name in VERDICTS},
-            "values": {figure.name: table[figure.name][np.isfinite(table[figure.name])]
-                       for figure in FIGURES},
+            "values": {name: table[name][np.isfinite(table[name])]
+                       for name in (*(figure.name for figure in FIGURES), *ERRORS)},
             "units": {serial: about for serial, *about in zip(*texts)}}
 
 
 def _text(figure, summary):
-    """Median and spread of a figure."""
-    values = summary["values"][figure.name]
+    """Median and spread of a figure, and the usual standard error of one unit's."""
+    values, errors = summary["values"][figure.name], summary["values"].get(figure.error, ())
     if not len(values):
         return None
-    return f"{figure.text(np.median(values))} ± {np.std(values):.{figure.digits}f}"
+    error = f", error {np.median(errors):.{figure.digits}f}" if len(errors) else ""
+    return f"{figure.text(np.median(values))} ± {np.std(values):.{figure.digits}f}{error}"
 
 
 def _shift(first, second):

@@ -5,15 +5,19 @@ import socket
 from ncdc.cli.common import add_page
 from ncdc.cli.train import neurons_of, size_of
 from ncdc.lot.figures import FIGURES, LIMITS, check_limits
-from ncdc.lot.units import STATION_LENGTH
+from ncdc.lot.units import check_station
 from ncdc.lot.work import Request
 from ncdc_model.training.choose import GOAL
 from ncdc_spec.errors import InputError
 from ncdc_spec.geometry import BAYERS
 from ncdc_spec.interpolation import DEFAULT, INTERPOLATIONS
 
-__all__ = ["add_lot_options", "checked_options"]
+__all__ = ["add_lot_options", "checked_options", "connected"]
 
+_TLS = {"--tls-ca-file": "certificate, in PEM, of the authority that signed those of a scheduler "
+                         "at tls://ADDRESS and of its workers",
+        "--tls-cert": "certificate of this command, signed by it",
+        "--tls-key": "key of that certificate"}
 _MAX_TIMEOUT = 1_000_000            # seconds: more than a week
 
 
@@ -43,6 +47,8 @@ def add_lot_options(parser, timeout) -> None:
                        help="processes on this machine (default: one per processor)")
     where.add_argument("--scheduler", metavar="ADDRESS",
                        help="Dask scheduler whose workers do the work, such as tcp://10.0.0.5:8786")
+    for option, text in _TLS.items():
+        where.add_argument(option, metavar="FILE", help=text)
     where.add_argument("--timeout", type=float, default=timeout, metavar="SECONDS",
                        help="longest work on a unit: after that its worker ends, and the unit runs "
                             f"again as after a crash (default: {timeout:g})")
@@ -58,11 +64,19 @@ def _add_limits(parser):
                 continue
             default = LIMITS[option]
             text = f"{default:g}" if default is not None else "no limit"
-            title = figure.title if option != "max_error" else "error of the map anywhere"
+            title = figure.limit_title or figure.title
             parser.add_argument(f"--{option.replace('_', '-')}", type=float, default=default,
                                 metavar={"px": "PX", "°": "DEG", "%": "PERCENT"}.get(
                                     figure.unit, "N"),
                                 help=f"{kind} {title} (default: {text})".replace("%", "%%"))
+
+
+def connected(args):
+    """:func:`ncdc.lot.workers.connect` with the options."""
+    from ncdc.lot import workers  # Dask takes a second
+
+    tls = args.tls_ca_file and workers.Tls(args.tls_ca_file, args.tls_cert, args.tls_key)
+    return workers.connect(args.scheduler, args.workers, args.timeout, tls)
 
 
 def checked_options(args):
@@ -85,9 +99,14 @@ def checked_options(args):
         raise InputError(f"--workers is {args.workers}, the minimum is 1")
     if args.scheduler and args.workers:
         raise InputError("--workers is of this machine, the scheduler has its own")
+    files = args.tls_ca_file, args.tls_cert, args.tls_key
+    if any(files) and not (all(files) and (args.scheduler or "").startswith("tls://")):
+        raise InputError(f"{', '.join(_TLS)} belong together, with --scheduler tls://ADDRESS; "
+                         f"{sum(map(bool, files))} of them are given, with --scheduler "
+                         f"{args.scheduler}")
+    if not any(files) and (args.scheduler or "").startswith("tls://"):
+        raise InputError(f"--scheduler is {args.scheduler}, which needs {', '.join(_TLS)}")
     if not 1 <= args.timeout <= _MAX_TIMEOUT:
         raise InputError(f"--timeout is {args.timeout:g} s, the limits are 1 and {_MAX_TIMEOUT}")
-    if not 1 <= len(args.station) <= STATION_LENGTH:
-        raise InputError(f"--station has {len(args.station)} characters, the limits are 1 and "
-                         f"{STATION_LENGTH}")
+    check_station(args.station, "--station")
     return request, limits

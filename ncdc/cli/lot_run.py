@@ -6,7 +6,7 @@ from pathlib import Path
 from sqlalchemy import URL
 
 from ncdc.cli.common import add_json, write_report
-from ncdc.cli.lot_options import add_lot_options, checked_options
+from ncdc.cli.lot_options import add_lot_options, checked_options, connected
 from ncdc.lot.database import Database
 from ncdc.lot.figures import FAIL, PASS, VERDICTS
 from ncdc.lot.run import SchedulerLost, run_lot
@@ -79,9 +79,7 @@ def _work(args, database, request, limits):
     waiting = counts["units"] - sum(counts[name] for name in VERDICTS)
     if not waiting:
         return 0
-    from ncdc.lot.workers import connect  # Dask takes a second
-
-    with connect(args.scheduler, args.workers, args.timeout) as workers:
+    with connected(args) as workers:
         forecast = _Forecast(counts, waiting)
         try:
             for done in run_lot(database, workers, request, limits, args.station):
@@ -103,10 +101,12 @@ class _Forecast:
 
     def __call__(self, done):
         """Show that a unit is :class:`Done`; a line of its own says why it does not pass."""
-        self.done += 1
         self.counts[done.verdict] += 1
+        if done.before:
+            self.counts[done.before] -= 1
+        self.done += not done.before
         if done.verdict != PASS:
-            say(f"{done.serial}: {done.verdict}: {done.reasons[0]}")
+            say(f"{done.serial}: {done.verdict}: {done.reasons[-1 if done.before else 0]}")
         each = (time.monotonic() - self.start) / self.done
         end = time.localtime(time.time() + each * (self.waiting - self.done))
         self.progress(self.done / self.waiting,

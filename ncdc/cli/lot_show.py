@@ -5,6 +5,7 @@ from pathlib import Path
 from ncdc.cli.common import add_json, write_report
 from ncdc.cli.lot_run import database_at
 from ncdc.lot.figures import FIGURES
+from ncdc.lot.identity import IDENTITY
 from ncdc_spec.errors import InputError
 from ncdc_spec.files import write_bytes, write_text
 
@@ -53,10 +54,10 @@ def _print(row, judged):
         print(f"  {reason}")
     for figure in FIGURES:
         if row[figure.name] is not None:
-            print(f"{figure.title:<36} {figure.text(row[figure.name])}")
+            print(f"{figure.title:<36} {figure.text_of(row)}")
     about = {"station": row["station"], "judged (UTC)": judged, "tries": row["tries"],
-             "worker": row["worker"], "software": row["software"], "seed": row["seed"],
-             "descriptor": row["digest"]}
+             "worker": row["worker"], **{title: row[name] for name, title in IDENTITY.items()},
+             "seed": row["seed"], "descriptor": row["digest"]}
     for name, value in about.items():
         if value is not None:
             print(f"{name:<36} {value}")

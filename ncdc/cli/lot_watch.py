@@ -5,7 +5,7 @@ from contextlib import closing
 from pathlib import Path
 
 from ncdc.cli.common import add_json, write_report
-from ncdc.cli.lot_options import add_lot_options, checked_options
+from ncdc.cli.lot_options import add_lot_options, checked_options, connected
 from ncdc.cli.lot_run import database_at
 from ncdc.lot.arrivals import Arrivals
 from ncdc.lot.run import SchedulerLost, watch_lot
@@ -72,11 +72,11 @@ def _check(args):
 def _watch(args, database, request, limits, arrivals):
     """Judge what arrives; 0 after Ctrl-C, 1 if the scheduler was lost."""
     try:
-        from ncdc.lot.workers import connect  # Dask takes a second
-        with connect(args.scheduler, args.workers, args.timeout) as workers:
+        with connected(args) as workers:
             say("ready")
             for done in watch_lot(database, workers, request, limits, args.station, arrivals):
-                say(": ".join([done.serial, done.verdict, *done.reasons[:1]]))
+                say(": ".join([done.serial, done.verdict,
+                               *(done.reasons[-1:] if done.before else done.reasons[:1])]))
     except KeyboardInterrupt:
         return 0
     except SchedulerLost:

@@ -1,18 +1,21 @@
 """The database of a lot: which units there are, what was found, and every try."""
 
 import json
+import sqlite3
+import time
 import zlib
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from datetime import UTC, datetime
-from importlib.metadata import version
+from functools import wraps
 from itertools import islice
 
 import numpy as np
 from sqlalchemy import String, create_engine, event, func, insert, inspect, select, update
-from sqlalchemy.exc import IntegrityError, SQLAlchemyError
+from sqlalchemy.exc import DBAPIError, IntegrityError, OperationalError, SQLAlchemyError
 
-from ncdc.lot.figures import FIGURES, VERDICTS
-from ncdc.lot.schema import FACTS, FILES, METADATA, SCHEMA, TRIES, UNITS
+from ncdc.lot.figures import ERRORS, FIGURES, LOOK, PASS, VERDICTS
+from ncdc.lot.schema import FACTS, FILES, METADATA, PHOTOS, SCHEMA, TRIES, UNITS
+from ncdc.terminal import say
 from ncdc_spec.errors import InputError
 
 __all__ = ["DIED", "Database", "INTERRUPTED", "JUDGED", "reason_of"]
@@ -23,6 +26,46 @@ JUDGED, DIED, INTERRUPTED = "judged", "died", "interrupted"     # ends of a try
 _ALONE = {"sqlite": "BEGIN IMMEDIATE", "postgresql": "SELECT pg_advisory_xact_lock(1852007523)"}
 _BATCH = 500            # rows that are in memory at a time
 _NET, _PICTURE = "net.toml", "picture.jpg"
+_RETRY = 60.0        # seconds for which a lost connection is tried again
+_RACES = 3              # tries of a unit that may begin and end while one begins
+_PAUSE = 1.0            # seconds between two tries
+
+
+def _lasting(method):
+    """A method of :class:`Database` that is called again while the connection is lost.
+
+    A transaction whose end was not confirmed may have been done: its method says so if repeated.
+    """
+    @wraps(method)
+    def called(self, *arguments, **named):
+        end, waiting = time.monotonic() + (0 if self.lost else self.retry), False
+        while True:
+            try:
+                result = method(self, *arguments, **named)
+            except DBAPIError as error:
+                if not _lost(error):
+                    raise
+                if time.monotonic() >= end:
+                    self.lost = True        # what ends the command does not wait again
+                    raise
+                if not waiting:
+                    say(f"the database does not answer ({reason_of(error)}): trying again for "
+                        f"{self.retry:g} s")
+                waiting = True
+                time.sleep(_PAUSE)
+            else:
+                if waiting:
+                    say("the database answers again")
+                return result
+    return called
+
+
+def _lost(error):
+    """Whether an error is of the connection to a server, not of what was asked."""
+    state = getattr(error.orig, "sqlstate", None)       # without an answer there is none
+    return error.connection_invalidated or (
+        isinstance(error, OperationalError) and not isinstance(error.orig, sqlite3.Error)
+        and (state is None or state.startswith(("08", "57P"))))
 
 
 class Database:
@@ -35,6 +78,8 @@ class Database:
     address : str or sqlalchemy.URL
     create : bool
         Make the tables if there are none.
+    retry : float
+        Seconds for which a connection to a server that is lost later is tried again.
 
     Raises
     ------
@@ -42,9 +87,10 @@ class Database:
         If there is no database of a lot, or its tables are of another version.
     """
 
-    def __init__(self, address, create=False):
+    def __init__(self, address, create=False, retry=_RETRY):
+        self.retry, self.lost = 0.0, False
         try:
-            self.engine = create_engine(address)
+            self.engine = create_engine(address, pool_pre_ping=True)
             self.address = address = str(self.engine.url)       # without the password
             if self.engine.dialect.name == "sqlite":
                 event.listen(self.engine, "connect", _patient)
@@ -57,7 +103,8 @@ class Database:
             raise InputError(f"cannot open the database {address}: {reason_of(error)}") from error
         if schema != str(SCHEMA):
             raise InputError(f"{address} has tables of version {schema}, version {SCHEMA} is "
-                             f"needed")
+                             f"needed: a lot is read by the version of NCDC that began it")
+        self.retry = retry
 
     def close(self):
         """End the connections."""
@@ -83,11 +130,13 @@ class Database:
                     METADATA.create_all(connection)
                     connection.execute(insert(FACTS).values(name="schema", value=str(SCHEMA)))
 
+    @_lasting
     def fact(self, name):
         """Text of a fact about the lot; None without it."""
         with self.engine.connect() as connection:
             return connection.scalar(_fact(name))
 
+    @_lasting
     def begin(self, options, units, station):
         """Add ``units`` that are not there yet, and end the open tries of ``station``.
 
@@ -97,7 +146,7 @@ class Database:
         ----------
         options : dict
             What is done with every unit; the same in every run of a lot.
-        units : iterable of Unit
+        units : sequence of Unit
         station : str
 
         Raises
@@ -120,11 +169,13 @@ class Database:
             connection.execute(update(TRIES).values(end=INTERRUPTED).where(
                 TRIES.c.end.is_(None), TRIES.c.station == station))
 
+    @_lasting
     def add(self, units, station):
         """Add ``units`` that are not there yet; otherwise as :meth:`begin`."""
         with self._alone() as connection:
             _add(connection, units, station)
 
+    @_lasting
     def known(self, serials):
         """Those of ``serials`` that are units of the lot, as a set."""
         found, serials = set(), iter(serials)
@@ -140,72 +191,101 @@ class Database:
         ``suspects``: those whose worker died, or the others. ``station``: of that station alone. A
         unit that another station works on is left to it.
         """
+        last = 0
+        while rows := self._waiting(suspects, station, last):
+            for serial, photos, last, died in rows:
+                yield serial, json.loads(photos), died
+
+    @_lasting
+    def _waiting(self, suspects, station, last):
+        """Rows of some units after number ``last``, for :meth:`waiting`."""
         deaths = (select(func.count()).where(TRIES.c.serial == UNITS.c.serial,
                                              TRIES.c.end == DIED).scalar_subquery())
         running = (select(TRIES.c.serial).where(TRIES.c.serial == UNITS.c.serial,
                                                 TRIES.c.end.is_(None)).exists())
-        last = 0
-        while True:
-            with self.engine.connect() as connection:
-                rows = connection.execute(
-                    select(UNITS.c.serial, UNITS.c.photos, UNITS.c.number, deaths).where(
-                        UNITS.c.verdict.is_(None), UNITS.c.number > last, ~running,
-                        deaths > 0 if suspects else deaths == 0,
-                        station is None or UNITS.c.station == station)
-                    .order_by(UNITS.c.number).limit(_BATCH)).all()
-            if not rows:
-                return
-            for serial, photos, last, died in rows:
-                yield serial, json.loads(photos), died
+        with self.engine.connect() as connection:
+            return connection.execute(
+                select(UNITS.c.serial, UNITS.c.photos, UNITS.c.number, deaths).where(
+                    UNITS.c.verdict.is_(None), UNITS.c.number > last, ~running,
+                    deaths > 0 if suspects else deaths == 0,
+                    station is None or UNITS.c.station == station)
+                .order_by(UNITS.c.number).limit(_BATCH)).all()
 
     def start(self, serial, station):
         """Number of a new try of a unit, the first is 1; None if another station was faster."""
-        try:
-            with self._alone() as connection:
-                taken = connection.scalar(select(func.count()).where(
-                    TRIES.c.serial == serial, TRIES.c.end.is_(None) | (TRIES.c.end == JUDGED)))
-                number = 1 + connection.scalar(select(func.count()).where(
-                    TRIES.c.serial == serial))
-                if taken:
-                    return None
+        for _ in range(_RACES):
+            number = self._next(serial)
+            with suppress(IntegrityError):      # another station was faster, and has ended again
+                return number if self._started(serial, station, number) else None
+        return None
+
+    @_lasting
+    def _next(self, serial):
+        with self.engine.connect() as connection:
+            return 1 + connection.scalar(select(func.count()).where(TRIES.c.serial == serial))
+
+    @_lasting
+    def _started(self, serial, station, number):
+        """Whether the try of that number is this station's, and no other one is open or done."""
+        with self._alone() as connection:
+            taken = connection.execute(select(TRIES.c.number, TRIES.c.station).where(
+                TRIES.c.serial == serial, TRIES.c.end.is_(None) | (TRIES.c.end == JUDGED))).all()
+            if not taken:
                 connection.execute(insert(TRIES).values(serial=serial, number=number,
                                                         station=station, started=_now()))
-        except IntegrityError:
-            return None
-        return number
+            # A try that is there already is that of a transaction whose end was not confirmed.
+            return not taken or taken == [(number, station)]
 
+    @_lasting
     def end(self, serial, number, end):
         """End a try as DIED or INTERRUPTED: the unit waits again."""
         with self.engine.begin() as connection:
             connection.execute(_ended(serial, number, end))
 
+    @_lasting
     def save(self, serial, number, outcome, verdict, seed):
-        """Record the :class:`ncdc.lot.work.Outcome` of a try; whether the unit had no verdict.
+        """Record the :class:`ncdc.lot.work.Outcome` of a try; the units that it judges.
 
-        What is recorded never changes: a second outcome of a unit is dropped.
+        What is recorded changes in one case: a photo that another unit has as well is a mix-up of
+        which it is not known whose photo it is. Both units are to be looked at if they pass, and
+        both say so. A second outcome of a unit is dropped.
 
         ``verdict``: result of :func:`ncdc.lot.figures.judge`.
+
+        Returns
+        -------
+        list of (str, str, list of str, str or None)
+            Serial number, verdict, reasons, and the verdict before of this unit and of those whose
+            photos it has. Empty if the unit has a verdict of another try.
         """
         verdict, cause, reasons = verdict
-        with self.engine.begin() as connection:
-            done = connection.execute(update(UNITS).where(
-                UNITS.c.serial == serial, UNITS.c.verdict.is_(None)).values(
-                    verdict=verdict, cause=cause, reasons=json.dumps(reasons), seed=seed,
-                    photo_hashes=json.dumps(outcome.photo_hashes), software=version("ncdc"),
-                    digest=outcome.digest or None, worker=outcome.worker, judged=_now(),
-                    seconds=outcome.seconds,
-                    **{figure.name: outcome.figures.get(figure.name) for figure in FIGURES}))
-            if done.rowcount:
-                files = {_NET: zlib.compress(outcome.descriptor.encode()),
-                         _PICTURE: outcome.picture}
-                rows = [{"serial": serial, "name": name, "content": content}
-                        for name, content in files.items()
-                        if (outcome.descriptor if name == _NET else content)]
-                if rows:
-                    connection.execute(insert(FILES), rows)
+        with self._alone() as connection:
+            known = connection.execute(select(UNITS.c.verdict, TRIES.c.end).join(TRIES).where(
+                UNITS.c.serial == serial, TRIES.c.number == number)).one()
+            if known.verdict is not None:
+                connection.execute(_ended(serial, number, JUDGED))
+                # Judged by this try: a transaction whose end was not confirmed.
+                mine = known.end == JUDGED
+                return [(serial, known.verdict, reasons, None)] if mine else []
+            others = _mixed_up(connection, serial, outcome.photo_hashes)
+            if others:
+                reasons = reasons + [_MIXED_UP.format(*found) for found in others]
+                if verdict == PASS:
+                    verdict, cause = LOOK, _MIXED_UP_CAUSE
+            connection.execute(update(UNITS).where(UNITS.c.serial == serial).values(
+                verdict=verdict, cause=cause, reasons=json.dumps(reasons), seed=seed,
+                photo_hashes=json.dumps(outcome.photo_hashes), digest=outcome.digest or None,
+                worker=outcome.worker, judged=_now(), seconds=outcome.seconds, **outcome.made_by,
+                **{name: _number(outcome.figures.get(name))
+                   for name in (*(figure.name for figure in FIGURES), *ERRORS)}))
+            _add_files(connection, serial, outcome)
             connection.execute(_ended(serial, number, JUDGED))
-        return bool(done.rowcount)
+            names = sorted({other for _, other, _ in others})
+            return [(serial, verdict, reasons, None),
+                    *(_also_mixed_up(connection, other, serial, outcome.photo_hashes)
+                      for other in names)]
 
+    @_lasting
     def counts(self):
         """Number of units by verdict, and of all as ``units``."""
         with self.engine.connect() as connection:
@@ -213,6 +293,7 @@ class Database:
                 select(UNITS.c.verdict, func.count()).group_by(UNITS.c.verdict)).all())
         return {"units": sum(found.values()), **{name: found.get(name, 0) for name in VERDICTS}}
 
+    @_lasting
     def unit(self, serial):
         """Row of a unit as a dict, lists instead of JSON, with the number of ``tries``.
 
@@ -238,6 +319,7 @@ class Database:
         """JPEG of a unit; None without one."""
         return self._file(serial, _PICTURE)
 
+    @_lasting
     def _file(self, serial, name):
         with self.engine.connect() as connection:
             return connection.scalar(select(FILES.c.content).where(
@@ -246,16 +328,18 @@ class Database:
     def rows(self):
         """Yield the row of every judged unit as a dict, in the order of the lot."""
         last = 0
-        while True:
-            with self.engine.connect() as connection:
-                found = connection.execute(
-                    select(UNITS).where(UNITS.c.verdict.is_not(None), UNITS.c.number > last)
-                    .order_by(UNITS.c.number).limit(_BATCH)).mappings().all()
-            if not found:
-                return
+        while found := self._rows(last):
             yield from map(unpacked, found)
             last = found[-1]["number"]
 
+    @_lasting
+    def _rows(self, last):
+        with self.engine.connect() as connection:
+            return connection.execute(
+                select(UNITS).where(UNITS.c.verdict.is_not(None), UNITS.c.number > last)
+                .order_by(UNITS.c.number).limit(_BATCH)).mappings().all()
+
+    @_lasting
     def columns(self, names):
         """Values of some columns of every judged unit, in the order of judgement, by name.
 
@@ -303,6 +387,53 @@ def _add(connection, units, station):
         number += len(rows)
         if rows:
             connection.execute(insert(UNITS), rows)
+
+
+# Of a unit and another one: name and hash of the photo, and the other unit.
+_MIXED_UP = "{} is byte for byte a photo of the unit {} too (SHA-256 {}): photos are mixed up"
+_MIXED_UP_CAUSE = "photo of two units"
+
+
+def _mixed_up(connection, serial, hashes):
+    """Record the hashes of a unit's photos; (file name, other unit, start of the hash) of each
+    photo that another unit has."""
+    names = json.loads(connection.scalar(select(UNITS.c.photos).where(UNITS.c.serial == serial)))
+    found = []
+    for digest, name in {digest: name for name, digest in zip(names, hashes)}.items():
+        others = connection.scalars(select(PHOTOS.c.serial).where(
+            PHOTOS.c.hash == digest, PHOTOS.c.serial != serial).order_by(PHOTOS.c.serial)).all()
+        found += [(name.rpartition("/")[2], other, digest[:12]) for other in others]
+        connection.execute(insert(PHOTOS).values(hash=digest, serial=serial))
+    return found
+
+
+def _also_mixed_up(connection, serial, other, hashes):
+    """Note at a unit that was judged before that ``other`` has some of its photos; its serial
+    number, verdict, reasons and verdict before."""
+    row = unpacked(connection.execute(select(UNITS).where(
+        UNITS.c.serial == serial)).mappings().one())
+    reasons = row["reasons"] + [
+        _MIXED_UP.format(name.rpartition("/")[2], other, digest[:12])
+        for name, digest in zip(row["photos"], row["photo_hashes"]) if digest in hashes]
+    values = {"reasons": json.dumps(reasons)}
+    if row["verdict"] == PASS:
+        values |= {"verdict": LOOK, "cause": _MIXED_UP_CAUSE}
+    connection.execute(update(UNITS).where(UNITS.c.serial == serial).values(values))
+    return serial, values.get("verdict", row["verdict"]), reasons, row["verdict"]
+
+
+def _add_files(connection, serial, outcome):
+    files = {_NET: zlib.compress(outcome.descriptor.encode()) if outcome.descriptor else b"",
+             _PICTURE: outcome.picture}
+    rows = [{"serial": serial, "name": name, "content": content}
+            for name, content in files.items() if content]
+    if rows:
+        connection.execute(insert(FILES), rows)
+
+
+def _number(value):
+    """A number for the database, which has NULL for not-a-number."""
+    return None if value is None or not np.isfinite(value) else float(value)
 
 
 def unpacked(row):

@@ -5,10 +5,12 @@ from dataclasses import dataclass
 
 from ncdc.lot.database import DIED, INTERRUPTED
 from ncdc.lot.figures import judge
+from ncdc.lot.identity import identity
 from ncdc.lot.work import Outcome
 
-__all__ = ["Done", "SchedulerLost", "run_lot", "watch_lot"]
+__all__ = ["Done", "REJECTED", "SchedulerLost", "run_lot", "watch_lot"]
 
+REJECTED = "rejected"     # instead of an outcome: the worker has other software than it had
 _DEATHS = 3             # workers that a unit may end; from the second on it runs alone
 _LOOK = 0.5             # seconds between two looks at what has arrived
 
@@ -19,11 +21,16 @@ class SchedulerLost(Exception):
 
 @dataclass(frozen=True)
 class Done:
-    """A unit that was judged: its serial number, verdict, reasons, and seconds of work."""
+    """A unit that was judged: its serial number, verdict, reasons, and seconds of work.
+
+    ``before``: its earlier verdict, if it was judged before and the photos of another unit have
+    changed what is known of it; its last reason is the new one.
+    """
     serial: str
     verdict: str
     reasons: list
     seconds: float
+    before: str | None = None
 
 
 def run_lot(database, workers, request, limits, station):
@@ -47,15 +54,11 @@ def run_lot(database, workers, request, limits, station):
         The units in progress wait again.
     """
     with _Work(database, workers, request, limits, station) as work:
-        units = database.waiting(suspects=False)
-        yield from work.start(units)
-        while len(workers):
-            yield from work.finish()
-            yield from work.start(units)
+        # A unit that came to another process than the one that was asked waits again.
+        while next(database.waiting(suspects=False), None):
+            yield from work.all_of(database.waiting(suspects=False))
         while suspect := next(database.waiting(suspects=True), None):
-            yield from work.start(iter([suspect]))
-            while len(workers):
-                yield from work.finish()
+            yield from work.all_of(iter([suspect]))
 
 
 def watch_lot(database, workers, request, limits, station, arrivals):
@@ -109,19 +112,35 @@ class _Work:
         for tag in self.workers.running:
             self.database.end(*tag, INTERRUPTED)
 
+    def all_of(self, units):
+        """Hand out all ``units``; yield :class:`Done` of each. Without a worker it waits."""
+        over = False
+        while not over or len(self.workers):
+            over = yield from self.start(units)
+            if len(self.workers):
+                yield from self.finish()
+            elif not over:
+                time.sleep(_LOOK)
+
     def start(self, units):
-        """Hand out ``units`` while workers are free; yield :class:`Done` of those without hope."""
-        while len(self.workers) < self.workers.slots and (unit := next(units, None)):
+        """Hand out ``units`` while workers are free; yield :class:`Done` of those without hope.
+
+        Returns whether there are no more units.
+        """
+        while len(self.workers) < self.workers.slots:
+            if (unit := next(units, None)) is None:
+                return True
             serial, photos, deaths = unit
             tag = serial, self.database.start(serial, self.station)
             if tag[1] is None:
                 continue            # another station has it
             if deaths >= _DEATHS:
-                yield from self._record(tag, Outcome(error=(
+                yield from self._record(tag, Outcome(made_by=identity(), error=(
                     f"the work on this unit ended its worker {deaths} times, at last alone: it "
                     f"crashed, or took longer than --timeout")))
             else:
                 self.workers.submit(tag, photos, self.request)
+        return False
 
     def finish(self, seconds=None):
         """Wait for units, at most ``seconds``; yield :class:`Done` of those that are judged."""
@@ -129,13 +148,14 @@ class _Work:
             time.sleep(seconds)
             return
         for tag, outcome in self.workers.finished(seconds):
-            if outcome is None:
-                self.database.end(*tag, DIED)
+            if outcome is None or outcome is REJECTED:
+                self.database.end(*tag, INTERRUPTED if outcome else DIED)
             else:
                 yield from self._record(tag, outcome)
 
     def _record(self, tag, outcome):
         serial, number = tag
         verdict = judge(outcome.figures, outcome.warnings, outcome.error, self.limits)
-        if self.database.save(serial, number, outcome, verdict, self.request.seed):
-            yield Done(serial, verdict[0], verdict[2], outcome.seconds)
+        for name, found, reasons, before in self.database.save(serial, number, outcome, verdict,
+                                                               self.request.seed):
+            yield Done(name, found, reasons, outcome.seconds, before)

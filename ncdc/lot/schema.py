@@ -14,12 +14,13 @@ from sqlalchemy import (
     Text,
 )
 
-from ncdc.lot.figures import FIGURES
+from ncdc.lot.figures import ERRORS, FIGURES
+from ncdc.lot.identity import IDENTITY
 from ncdc.lot.units import STATION_LENGTH
 
-__all__ = ["FILES", "FACTS", "METADATA", "SCHEMA", "TRIES", "UNITS"]
+__all__ = ["FILES", "FACTS", "METADATA", "PHOTOS", "SCHEMA", "TRIES", "UNITS"]
 
-SCHEMA = 1              # counts changes of these tables
+SCHEMA = 2              # counts changes of these tables
 
 METADATA = MetaData()
 
@@ -39,15 +40,22 @@ UNITS = Table(
     Column("verdict", String(4)),                               # pass, look, fail
     Column("cause", String(80)),                                # of fail or look, a few words
     Column("reasons", Text),                                    # sentences, JSON
-    Column("software", String(40)),                             # version of NCDC
+    *(Column(name, String(40)) for name in IDENTITY),           # of the worker
     Column("seed", Integer),
     Column("digest", String(12)),                               # of the descriptor
     Column("worker", String(255)),                              # name of the machine
     Column("judged", DateTime),                                 # UTC
     Column("seconds", Float),
     *(Column(figure.name, Float) for figure in FIGURES),
+    *(Column(name, Float) for name in ERRORS),                  # standard errors
     Index("units_by_verdict", "verdict"),
     Index("units_by_time", "judged"))
+
+# One row per photo of a unit that was read, to find a photo that two units have.
+PHOTOS = Table(
+    "photos", METADATA,
+    Column("hash", String(64), primary_key=True),               # SHA-256 of the file
+    Column("serial", String(32), ForeignKey("units.serial"), primary_key=True))
 
 # One row per start of the work on a unit.
 TRIES = Table(

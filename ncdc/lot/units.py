@@ -4,6 +4,7 @@ import csv
 import io
 import os
 import re
+import unicodedata
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
@@ -15,7 +16,7 @@ from ncdc_model.photo.names import may_be_photo, natural
 from ncdc_spec.eeprom import SERIAL_BYTES
 from ncdc_spec.errors import InputError
 
-__all__ = ["STATION_LENGTH", "Unit", "find_units", "local_photos"]
+__all__ = ["STATION_LENGTH", "Unit", "check_station", "find_units", "local_photos"]
 
 STATION_LENGTH = 63      # characters of a station's name
 _SERIAL = re.compile(r"[A-Za-z0-9][\w.+-]{0,%d}" % (SERIAL_BYTES - 1), re.ASCII)
@@ -49,9 +50,18 @@ class Unit:
         if not _SERIAL.fullmatch(self.serial):
             raise InputError(f"the unit {self.serial!r} has a serial number that is no name: up to "
                              f"{SERIAL_BYTES} letters, digits, _ . + - are needed")
-        if len(self.station) > STATION_LENGTH:
-            raise InputError(f"the unit {self.serial} has a station of {len(self.station)} "
-                             f"characters, the maximum is {STATION_LENGTH}")
+        if self.station:
+            check_station(self.station, f"the station of the unit {self.serial}")
+
+
+def check_station(name, title):
+    """Raise :class:`InputError` for a name of a station, called ``title``, that is no text of 1 to
+    63 characters."""
+    if not 1 <= len(name) <= STATION_LENGTH:
+        raise InputError(f"{title} has {len(name)} characters, the limits are 1 and "
+                         f"{STATION_LENGTH}")
+    if any(unicodedata.category(letter) in ("Cc", "Cs") for letter in name):
+        raise InputError(f"{title} is {name!r}, which has characters that are no text")
 
 
 def find_units(source):

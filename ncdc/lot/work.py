@@ -13,14 +13,18 @@ from tempfile import TemporaryDirectory
 import cv2
 import numpy as np
 
+from ncdc.lot.agreement import mixed
+from ncdc.lot.identity import identity
+from ncdc.lot.photo_checks import bad_lines, blur_ratio, level_picture, soft_half
 from ncdc.lot.units import local_photos
+from ncdc_model.calibration.boards import grey_picture
 from ncdc_model.calibration.detect import detect_points, parse_target
 from ncdc_model.calibration.judged import judged
 from ncdc_model.calibration.overlay import draw_points
 from ncdc_model.flaw_figures import flaws_of
 from ncdc_model.images import demosaic, is_raw
 from ncdc_model.lens import parse_zoom
-from ncdc_model.photo.read import read_photo
+from ncdc_model.photo.read import decode_photo
 from ncdc_model.threads import one_thread
 from ncdc_model.training.choices import TrainingChoices
 from ncdc_model.training.choose import GOAL, choose_camera
@@ -85,6 +89,8 @@ class Outcome:
     seconds : float
     worker : str
         Name of the machine.
+    made_by : dict
+        :func:`ncdc.lot.identity.identity` of the worker.
     """
     figures: dict = field(default_factory=dict)
     warnings: list = field(default_factory=list)
@@ -95,6 +101,7 @@ class Outcome:
     picture: bytes = b""
     seconds: float = 0.0
     worker: str = ""
+    made_by: dict = field(default_factory=dict)
 
 
 def process(addresses, request):
@@ -102,7 +109,8 @@ def process(addresses, request):
 
     Bad photos, and an error of the software, are in the outcome: no unit stops the others.
     """
-    start, outcome = time.monotonic(), Outcome(worker=socket.gethostname())
+    start = time.monotonic()
+    outcome = Outcome(worker=socket.gethostname(), made_by=identity())
     try:
         with np.errstate(all="ignore"), one_thread(), local_photos(addresses) as paths:
             _measure(outcome, paths, request)
@@ -121,14 +129,15 @@ def _measure(outcome, paths, request):
     if not paths:
         raise InputError("the unit has no photo")
     for path in paths:
-        outcome.photo_hashes.append(hashlib.sha256(read_bytes(path)).hexdigest())
+        outcome.photo_hashes.append(_hash(read_bytes(path)))
     outcome.figures["photos_used"] = 0
-    images = dict(zip(_names(paths), (partial(_image, path) for path in paths)))
+    images = dict(zip(_names(paths), map(partial(partial, _image), paths, outcome.photo_hashes)))
     outcome.picture = _first_picture(images.values(), request.bayer)
     points = detect_points(list(images.items()), request.target)
     outcome.figures |= {"points": points.count, "photos_used": len(points.photos)}
     outcome.warnings += [reason if name in reason else f"{name}: {reason}"
                          for name, reason in points.rejected_photos.items()]
+    outcome.warnings += _checked(outcome, images, points)
     measured, frame, warnings = judged(points)
     first = points.photos[0]
     shown = _shown(images[first.name](), request.bayer)
@@ -136,9 +145,28 @@ def _measure(outcome, paths, request):
     if frame is None:
         raise InputError(warnings[0])
     outcome.warnings += warnings
-    outcome.figures |= vars(flaws_of(frame.camera, frame))
+    outcome.figures |= {name: value if np.isfinite(value) else None
+                        for name, value in vars(flaws_of(frame.camera, frame)).items()}
     outcome.figures["straightness_px"] = measured["straightness_rms_px"]
+    outcome.figures["disagreement_px"], text = mixed(frame)
+    outcome.warnings += filter(None, [text])
     _train(outcome, points, request)
+
+
+def _checked(outcome, images, points):
+    """Sentences on bad rows and soft halves of the photos; notes the largest ratio of blur."""
+    photos, found, ratios = {photo.name: photo for photo in points.photos}, [], []
+    for name, image in images.items():
+        with suppress(InputError):      # a photo that cannot be read has its sentence
+            image = image()
+            texts = bad_lines(level_picture(image))
+            if name in photos:
+                blur = blur_ratio(grey_picture(image), photos[name])
+                ratios.append(blur[0])
+                texts.append(soft_half(*blur))
+            found += [f"{name}: {text}" for text in texts if text]
+    outcome.figures["blur_ratio"] = max(filter(np.isfinite, ratios), default=None)
+    return found
 
 
 def _train(outcome, points, request):
@@ -163,8 +191,19 @@ def _train(outcome, points, request):
         "coverage_percent": 100 * (1 - report["extrapolated_percent"] / report["valid_percent"])}
 
 
-def _image(path):
-    return read_photo(path).image
+def _image(path, known):
+    """The picture in a file, whose hash is ``known``: what was hashed is what is measured.
+
+    A file is read as often as its picture is needed, for only one is in memory.
+    """
+    content = read_bytes(path)
+    if _hash(content) != known:
+        raise InputError(f"{path} has changed since the work on the unit began")
+    return decode_photo(path, content).image
+
+
+def _hash(content):
+    return hashlib.sha256(content).hexdigest()
 
 
 def _names(paths):

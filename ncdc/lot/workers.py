@@ -7,16 +7,20 @@ import threading
 import uuid
 from concurrent.futures import CancelledError
 from contextlib import ExitStack, contextmanager, suppress
+from dataclasses import dataclass
 from multiprocessing import resource_tracker
 
 import dask
-from distributed import Client, KilledWorker, LocalCluster, wait
+from distributed import Client, KilledWorker, LocalCluster, Security, wait
 
-from ncdc.lot.run import SchedulerLost
+from ncdc.lot.identity import differences, identity
+from ncdc.lot.run import REJECTED, SchedulerLost
 from ncdc.lot.work import Outcome, process
+from ncdc.terminal import say
 from ncdc_spec.errors import InputError
+from ncdc_spec.files import read_bytes
 
-__all__ = ["Workers", "connect"]
+__all__ = ["Tls", "Workers", "connect"]
 
 _CHECK = 2.0            # seconds between two looks at whether the scheduler is there
 _TIMEOUT = 30.0         # seconds until a scheduler must answer and have a worker
@@ -27,8 +31,36 @@ _LOCAL = {"distributed.worker.preload": ["ncdc.lot.workers"],
           "distributed.scheduler.worker-saturation": 1.0}
 
 
+@dataclass(frozen=True)
+class Tls:
+    """Files, in PEM, by which this command and a scheduler at ``tls://`` know each other.
+
+    Parameters
+    ----------
+    ca_file, cert, key : str
+        Certificate of the authority that signed those of all, certificate of this command, and
+        its key.
+    """
+    ca_file: str
+    cert: str
+    key: str
+
+    def security(self):
+        """The :class:`distributed.Security`; raises InputError if a file cannot be used."""
+        for path in (self.ca_file, self.cert, self.key):
+            read_bytes(path)
+        found = Security(tls_ca_file=self.ca_file, tls_client_cert=self.cert,
+                         tls_client_key=self.key, require_encryption=True)
+        try:
+            found.get_connection_args("client")
+        except (OSError, ValueError) as error:      # ssl.SSLError is an OSError
+            raise InputError(f"{self.ca_file}, {self.cert} and {self.key} are no certificate of an "
+                             f"authority, a certificate and its key, in PEM: {error}") from error
+        return found
+
+
 @contextmanager
-def connect(scheduler=None, count=None, limit=3600.0):
+def connect(scheduler=None, count=None, limit=3600.0, tls=None):
     """Yield :class:`Workers`.
 
     Parameters
@@ -38,11 +70,13 @@ def connect(scheduler=None, count=None, limit=3600.0):
         are started on this machine, as many as processors if that is None, and ended afterwards.
     limit : float
         Seconds after which the work on a unit ends its worker.
+    tls : Tls, optional
+        For a scheduler at an address such as ``tls://10.0.0.5:8786``.
 
     Raises
     ------
     InputError
-        If no scheduler answers, or none of its workers is there in time.
+        If no scheduler answers, none of its workers is there in time, or all of them are rejected.
     """
     for name in logging.root.manager.loggerDict:
         if name.startswith("distributed"):
@@ -56,13 +90,19 @@ def connect(scheduler=None, count=None, limit=3600.0):
                     silence_logs=logging.CRITICAL))
             yield Workers(stack.enter_context(Client(local)), limit)
         return
+    security = tls and tls.security()
     try:
-        client = Client(scheduler, timeout=_TIMEOUT)
-    except (OSError, ValueError) as error:
-        raise InputError(f"no scheduler answers at {scheduler}") from error
+        client = Client(scheduler, timeout=_TIMEOUT, security=security)
+    except (OSError, ValueError, RuntimeError, TypeError) as error:
+        raise InputError(f"no scheduler answers at {scheduler}"
+                         f"{' with these certificates' if tls else ''}") from error
     try:
         client.wait_for_workers(1, timeout=_TIMEOUT)
-        yield Workers(client, limit)
+        workers = Workers(client, limit)
+        if not workers.slots:
+            raise InputError(f"the scheduler at {scheduler} has no worker with the software of "
+                             f"this command")
+        yield workers
     except TimeoutError as error:
         raise InputError(f"the scheduler at {scheduler} has no worker") from error
     finally:
@@ -94,10 +134,18 @@ def _uninterrupted():
 
 
 class Workers:
-    """Units that are being worked on, at most one for each thread of a worker."""
+    """Units that are being worked on, at most one for each thread of a worker.
+
+    A worker gets work if its :func:`ncdc.lot.identity.identity` is that of this process. It is
+    asked before it gets any, and again by each unit. The others are rejected by name. A unit
+    belongs to one worker: if that one goes, its work has ended.
+    """
 
     def __init__(self, client, limit):
-        self.client, self.limit, self._running = client, limit, {}
+        self.client, self.limit = client, limit
+        self._running = {}          # tag and worker, by future
+        self._free = {}             # threads by address, when `slots` was asked
+        self._rejected = {}         # what differs, by address; empty for a worker that gets work
 
     def __len__(self):
         return len(self._running)
@@ -105,30 +153,59 @@ class Workers:
     @property
     def running(self):
         """Tags of the units that are being worked on."""
-        return list(self._running.values())
+        return [tag for tag, _ in self._running.values()]
 
     @property
     def slots(self):
-        """How many units the workers can take at a time.
+        """How many units the workers can take at a time; 0 without one that gets work.
 
         Raises
         ------
         SchedulerLost
             If the scheduler has gone.
         """
+        self._free = self._threads()
+        return sum(self._free.values())
+
+    def _threads(self):
+        """Number of threads by address of the workers that get work. New ones are asked."""
         try:
-            return max(1, sum(self.client.nthreads().values()))
+            there = self.client.nthreads()
+            new = [address for address in there if address not in self._rejected]
+            answers = self.client.run(identity, workers=new, on_error="return") if new else {}
         except OSError as error:
             raise SchedulerLost from error
+        self._rejected = {address: why for address, why in self._rejected.items()
+                          if address in there}
+        for address, answer in answers.items():
+            if not isinstance(answer, OSError):     # it has gone, and is asked if it comes back
+                self._judge(address, answer)
+        return {address: count for address, count in there.items()
+                if self._rejected.get(address) == ""}
+
+    def _judge(self, address, answer):
+        """Note whether the worker with the identity ``answer``, or with an error, gets work."""
+        why = (differences(answer, identity()) if isinstance(answer, dict)
+               else f"no NCDC of this version ({type(answer).__name__}: {answer})")
+        self._rejected[address] = why
+        if why:
+            say(f"the worker {address} is rejected, it has {why}")
 
     def submit(self, tag, photos, request):
-        """Start the work on a unit, which ``tag`` will name."""
-        future = self.client.submit(_limited, photos, request, self.limit,
-                                    key=f"unit-{uuid.uuid4().hex}", pure=False)
-        self._running[future] = tag
+        """Start the work on a unit, which ``tag`` will name; there are fewer than ``slots``."""
+        free = self._free.copy()
+        for _, address in self._running.values():
+            if address in free:
+                free[address] -= 1
+        address = max(free, key=free.get)
+        future = self.client.submit(_limited, photos, request, self.limit, identity(),
+                                    key=f"unit-{uuid.uuid4().hex}", pure=False,
+                                    workers=[address], allow_other_workers=False)
+        self._running[future] = tag, address
 
     def finished(self, seconds=None):
-        """Wait for a unit; a list of (tag, :class:`Outcome` or None if its worker died).
+        """Wait for a unit; a list of (tag, :class:`Outcome`, None if its worker died, or REJECTED
+        if it went to another process than the one that was asked).
 
         ``seconds``: the list is empty if none is finished by then.
 
@@ -147,15 +224,34 @@ class Workers:
                 raise SchedulerLost from error
             if self.client.status != "running":
                 raise SchedulerLost
-            if done or seconds is not None:
-                return [(self._running.pop(future), _result(future)) for future in done]
+            results = [(*self._running.pop(future), _result(future)) for future in done]
+            results += self._orphans() if not done else []
+            if results or seconds is not None:
+                return [(tag, self._accepted(address, result)) for tag, address, result in results]
+
+    def _accepted(self, address, result):
+        """The result of a unit; REJECTED for the identity of a process that must not judge."""
+        if not isinstance(result, dict):
+            return result
+        self._judge(address, result)
+        return REJECTED
+
+    def _orphans(self):
+        """(tag, address, None) of the units whose worker has gone: they are waited for no more."""
+        there = self._threads()
+        lost = [future for future, (_, address) in self._running.items() if address not in there]
+        self.client.cancel(lost)
+        return [(*self._running.pop(future), None) for future in lost]
 
 
-def _limited(photos, request, seconds):
+def _limited(photos, request, seconds, wanted):
     """The :class:`Outcome` of a unit; after ``seconds`` it ends the worker, as a crash does.
 
-    A thread that hangs cannot be ended alone.
+    A thread that hangs cannot be ended alone. A process whose identity is not the ``wanted`` one
+    returns its own instead.
     """
+    if identity() != wanted:
+        return identity()
     alarm = threading.Timer(seconds, os._exit, (1,))
     alarm.daemon = True
     alarm.start()

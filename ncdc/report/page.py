@@ -13,9 +13,9 @@ def report_page(report, sections):
     """HTML text of the report of a whole run: what one shows a colleague.
 
     ``report``: figures by name, shown in full at the end. ``sections``: dicts with ``title``,
-    ``text``, and optionally ``slider`` (two pictures, before and after), ``pictures``, ``rows``
-    (lists of cells, the first row the heading) and ``commands`` (lines). Pictures are file names
-    or data URIs.
+    ``text``, and optionally ``slider`` (two pictures, before and after), ``legend`` (pairs of a
+    colour and a name), ``pictures``, ``rows`` (lists of cells, the first row the heading) and
+    ``commands`` (lines). Pictures are file names or data URIs.
     """
     return _page("report.html.jinja", "Camera distortion correction", sections, report=report)
 
@@ -36,7 +36,8 @@ def write_lot_page(path, title, lead, sections, **lists):
                                               sections=sections, **lists)
     page.enable_buffering(_LINES)
     with replace_file(path) as temporary:
-        page.dump(str(temporary), encoding="utf-8")
+        # Names of files may be no UTF-8.
+        page.dump(str(temporary), encoding="utf-8", errors="replace")
 
 
 def _page(template, title, sections, **values):

@@ -20,6 +20,7 @@ from ncdc.cli.lot_run import database_at
 from ncdc.lot.arrivals import Arrivals
 from ncdc.lot.database import INTERRUPTED, Database
 from ncdc.lot.figures import FIGURES, LIMITS, judge
+from ncdc.lot.identity import IDENTITY, differences, identity
 from ncdc.lot.run import SchedulerLost
 from ncdc.lot.units import Unit, find_units, local_photos
 from ncdc.lot.work import Request, process
@@ -85,7 +86,8 @@ def test_units_are_in_a_csv(photos, tmp_path):
     ("unit,photo\n", "has no unit"),
     ("unit,photo\na/b,a.png\n", "'a/b' has a serial number that is no name"),
     ("unit,photo\n" + "A" * 33 + ",a.png\n", "up to 32 letters"),
-    ("unit,photo,station\nA,a," + 64 * "S" + "\n", "a station of 64 characters"),
+    ("unit,photo,station\nA,a," + 64 * "S" + "\n", "the station of the unit A has 64 characters"),
+    ("unit,photo,station\nA,a,S\x1b[2J\n", r"the station of the unit A is 'S\\x1b\[2J', which has"),
     ("unit,photo,station\nA,a,S1\nA,b,S2\n", "line 3 has the station 'S2' for the unit A"),
     ("\xff", "cannot read")])
 def test_a_bad_csv_is_rejected(tmp_path, text, message):
@@ -113,7 +115,8 @@ def test_an_archive_without_a_photo_is_an_error_of_the_unit(tmp_path):
 
 
 @pytest.mark.parametrize("name,value,option,limit", [
-    (figure.name, 2 * (GOOD[figure.name] or 1) * sign, option, 1.5 * (abs(GOOD[figure.name]) or 1))
+    (figure.name, figure.middle + 2 * (GOOD[figure.name] or 1) * sign, option,
+     1.5 * (abs(GOOD[figure.name]) or 1))
     for figure in FIGURES for option, sign in ((figure.high, 1), (figure.high, -1)) if option] + [
     (figure.name, GOOD[figure.name] / 2, figure.low, .75 * GOOD[figure.name])
     for figure in FIGURES if figure.low])
@@ -130,6 +133,78 @@ def test_a_warning_asks_for_a_look_and_no_network_fails():
     assert judge(GOOD, ["noise"], "", LIMITS) == ("look", "warning", ["noise"])
     assert judge({}, [], "no target", LIMITS) == ("fail", "no network", ["no target"])
     assert judge(GOOD | {"max_error_px": float("nan")}, [], "", LIMITS)[0] == "fail"
+
+
+@pytest.mark.parametrize("value,error,verdict,words", [
+    (1.8, .05, "pass", ""),
+    (1.8, .3, "look", "tilt of the sensor: 1.80 ± 0.30°, the maximum is 2°: not decided"),
+    (2.2, .3, "look", "2.20 ± 0.30°, the maximum is 2°: not decided"),
+    (2.2, .05, "fail", "tilt of the sensor: 2.20 ± 0.05°, the maximum is 2°"),
+    (0.0, .9, "pass", ""), (0.0, 1.1, "look", "0.00 ± 1.10°, the maximum is 2°: not decided"),
+    (0.5, None, "look", "0.50°, which the photos do not determine; the maximum is 2°"),
+    (9.0, float("nan"), "look", "9.00°, which the photos do not determine"),
+    (None, None, "look", "tilt of the sensor: -, which the photos do not determine")])
+def test_a_limit_is_decided_by_value_and_error(value, error, verdict, words):
+    """Within the limit, or beyond it, by two standard errors; otherwise a person decides."""
+    figures = GOOD | {"tilt_deg": value, "tilt_deg_error": error}
+    found, cause, reasons = judge(figures, [], "", LIMITS | {"max_tilt": 2.0})
+    assert found == verdict and words in " ".join(reasons)
+    assert cause == ("" if verdict == "pass" else "tilt of the sensor")
+    assert judge(figures, [], "", LIMITS)[0] == "pass"
+
+
+@pytest.mark.parametrize("figure,verdicts", [
+    ("focal_px", {168.9: "fail", 169.9: "look", 170.1: "look", 170.5: "pass", 172: "pass",
+                  174.9: "look", 175.3: "fail"}),
+    ("roll_deg", {-1.1: "fail", -1.01: "look", -.5: "pass", .99: "look", 1.1: "fail"}),
+    ("aspect", {.98: "fail", .9895: "look", .999: "pass", 1.0105: "look", 1.02: "fail"})])
+def test_limits_on_both_sides_are_decided_by_value_and_error(figure, verdicts):
+    limits = LIMITS | {"min_focal": 170.0, "max_focal": 175.0, "max_roll": 1.0, "max_aspect": .01}
+    errors = {"focal_px_error": .1, "roll_deg_error": .03, "aspect_error": .001}
+    for value, verdict in verdicts.items():
+        assert judge(GOOD | errors | {figure: value}, [], "", limits)[0] == verdict, value
+
+
+def test_a_look_is_not_a_fail_and_a_fail_comes_first():
+    limits = LIMITS | {"max_tilt": 2.0}
+    undecided = GOOD | {"tilt_deg": 1.9}
+    assert judge(undecided, ["noise"], "", limits)[:2] == ("look", "tilt of the sensor")
+    verdict, cause, reasons = judge(undecided | {"max_error_px": .7}, ["noise"], "", limits)
+    assert (verdict, cause) == ("fail", "largest error of the map")
+    assert [reason.split(":")[0] for reason in reasons] == [
+        "largest error of the map", "tilt of the sensor", "noise"]
+
+
+def test_a_unit_is_judged_by_the_code_that_is_named(tmp_path, monkeypatch):
+    """The digest is that of the content of all modules, however their lines end."""
+    monkeypatch.syspath_prepend(tmp_path)
+    monkeypatch.setattr("ncdc.lot.identity._PACKAGES", ["judging"])
+    (tmp_path / "judging/part").mkdir(parents=True)
+    (tmp_path / "judging/__init__.py").touch()
+    found = []
+    for content in (b"a = 1\n", b"a = 1\r\n", b"a = 42\n"):
+        (tmp_path / "judging/part/roll.py").write_bytes(content)
+        found.append(identity.__wrapped__())
+    (tmp_path / "judging/part/roll.py").rename(tmp_path / "judging/part/tilt.py")
+    found.append(identity.__wrapped__())
+    assert found[0] == found[1]
+    assert len({one["code"] for one in found}) == 3 and found[0].keys() == IDENTITY.keys()
+    text = differences(found[2] | {"numpy": "1.0"}, found[0])
+    assert text == (f"code of NCDC {found[2]['code']}, here {found[0]['code']}, NumPy 1.0, here "
+                    f"{np.__version__}")
+    assert differences(found[1], found[0]) == ""
+
+
+def test_what_was_hashed_is_what_is_measured(tmp_path, monkeypatch):
+    write_photos(tmp_path, make_unit(3))
+    path = tmp_path / "U0003" / "0.png"
+
+    def late(*_):
+        path.write_bytes((tmp_path / "U0003" / "1.png").read_bytes())
+        return b""
+    monkeypatch.setattr("ncdc.lot.work._first_picture", late)
+    done = process([str(path)], Request("dots"))
+    assert "0.png has changed since the work on the unit began" in done.error
 
 
 def test_a_resumed_lot_loses_nothing_and_repeats_nothing(tmp_path):
@@ -212,7 +287,8 @@ def test_a_verdict_never_changes(tmp_path):
     assert not database.save("U1", first, outcome(), ("fail", "", ["late"]), 0)
     row = database.unit("U1")
     assert (row["verdict"], row["tries"]) == ("pass", 2)
-    assert row["photo_hashes"] == ["00" * 32] and row["software"] and row["judged"]
+    assert len(row["photo_hashes"][0]) == 64 and row["judged"]
+    assert {name: row[name] for name in IDENTITY} == identity()
     assert database.descriptor("U1") == "version = 1\n" and database.picture("U1") == b"jpeg"
 
 
@@ -259,6 +335,11 @@ def test_other_options_are_rejected(tmp_path):
     ("units --timeout 0", "--timeout is 0 s, the limits are 1 and 1000000"),
     ("units --timeout nan", "--timeout is nan s"),
     ("units --station " + 64 * "a", "--station has 64 characters, the limits are 1 and 63"),
+    ("units --station \x1b[2J", "--station is '\\x1b[2J', which has characters that are no text"),
+    ("units --tls-ca-file ca.pem --scheduler tls://a:1", "belong together, with --scheduler tls://"),
+    ("units --tls-ca-file a --tls-cert b --tls-key c", "3 of them are given, with --scheduler N"),
+    ("units --scheduler tls://a:1", "--scheduler is tls://a:1, which needs --tls-ca-file"),
+    ("units --max-aspect -1", "--max-aspect is -1, 0 or more is needed"),
     ("units --workers 1 --scheduler tcp://a:1", "the scheduler has its own"),
     ("units --target page", "target is 'page'"), ("units --neurons 40", "the limits are 1 and 32"),
     ("units --seed -1", "seed is -1"), ("units --zoom wide", "zoom is 'wide'"),
@@ -286,8 +367,8 @@ def test_the_same_command_goes_on_where_it_was(photos, monkeypatch, capsys):
         return outcome(max_error_px=.7 if serial == "empty" else .2)
 
     @contextmanager
-    def connect(scheduler, count, limit):
-        assert (scheduler, count, limit) == (None, 2, 3600)
+    def connect(scheduler, count, limit, tls):
+        assert (scheduler, count, limit, tls) == (None, 2, 3600, None)
         yield Scripted(answer, 1)
     monkeypatch.setattr("ncdc.lot.workers.connect", connect)
     for status, resumed in ((1, 0), (0, 2), (0, 3)):
@@ -312,7 +393,7 @@ def test_the_commands_of_the_guide_run(tmp_path, monkeypatch, capsys):
     schedulers = []
 
     @contextmanager
-    def connect(scheduler, count, limit):
+    def connect(scheduler, count, limit, tls):
         schedulers.append(scheduler)
         yield Scripted(answer, 1)
 
@@ -324,7 +405,7 @@ def test_the_commands_of_the_guide_run(tmp_path, monkeypatch, capsys):
     guide = (ROOT / "docs" / "howto" / "production_lot.md").read_text()
     lines = re.findall(r"^    ncdc (lot .*)$", guide, re.MULTILINE)
     actions = [line.split()[1] for line in lines]
-    assert actions == ["run", "watch", "report", "show", "export", "compare", "run"]
+    assert actions == ["run", "watch", "report", "show", "export", "compare", "run", "run"]
     monkeypatch.setattr("ncdc.cli.lot_watch.StationPage", lambda host, port: StationPage(host, 0))
     monkeypatch.setattr("ncdc.cli.lot_watch.Arrivals",
                         lambda folder, count, settle: Arrivals(folder, count, 0))
@@ -335,7 +416,7 @@ def test_the_commands_of_the_guide_run(tmp_path, monkeypatch, capsys):
         if "--scheduler" in line:
             shutil.rmtree("lot")
         assert main(line.split()) == 0, capsys.readouterr().err
-    assert schedulers == [None, None, "tcp://10.0.0.5:8786"]
+    assert schedulers == [None, None, "tcp://10.0.0.5:8786", "tls://10.0.0.5:8786"]
     with closing(database_at("line")) as line:
         assert (line.counts()["units"], line.counts()["pass"]) == (2, 1)
         assert [serial for serial, *_ in line.waiting(suspects=False)] == ["B2"]
@@ -356,7 +437,7 @@ def test_the_work_is_that_of_calibrate_and_train(tmp_path):
     write_photos(tmp_path, make_unit(3))
     path = str(tmp_path / "U0003" / "0.png")
     black = str(tmp_path / "black.png")
-    cv2.imwrite(black, np.zeros((240, 320), np.uint8))
+    cv2.imwrite(black, np.zeros((300, 400), np.uint8))
     done = process([path, black], Request("dots", neurons=2, bayer="MONO"))
     assert not done.error and len(done.photo_hashes) == 2
     assert any("black.png" in text for text in done.warnings)
@@ -365,7 +446,7 @@ def test_the_work_is_that_of_calibrate_and_train(tmp_path):
     assert done.digest == train_camera(source, 2).descriptor.digest
     assert done.digest and done.figures["photos_used"] == 1 and done.figures["points"] > 300
     shown = cv2.imdecode(np.frombuffer(done.picture, np.uint8), cv2.IMREAD_COLOR)
-    assert shown.shape == (240, 320, 3)
+    assert shown.shape == (300, 400, 3)
 
 
 def test_an_error_of_the_software_fails_its_unit_alone(tmp_path, monkeypatch):

@@ -1,5 +1,6 @@
 """``ncdc lot report``, ``show`` and ``compare`` on a lot whose figures are known."""
 
+import html
 import json
 import re
 import sqlite3
@@ -14,8 +15,9 @@ from sqlalchemy import insert
 from lots import begun, driven, outcome
 from ncdc.cli import main
 from ncdc.lot.schema import UNITS
+from ncdc.lot.units import Unit
 from ncdc.lot.work import Outcome
-from ncdc.report.lot import control_limits
+from ncdc.report.lot import capability, control_limits
 
 _COUNT = 40
 
@@ -65,7 +67,7 @@ def test_a_page_has_yield_outliers_and_every_unit(here, capsys):
     low, middle, high = report["control_limits"]["focal_px"]
     assert 169 < low < 170.5 < middle < 171.5 < high < 173
     cards = re.search("<h2>Outliers</h2>(.*?)<h2>Worst ten", page, re.DOTALL)[1]
-    assert "focal length 190.0 px, 1" in cards and "px is usual" in cards
+    assert "focal length 190.0 ± 0.1 px, 1" in cards and "px is usual" in cards
     assert "<b>U7</b>" in cards and "<b>U8</b>" in cards and "data:image/jpeg;base64" in cards
     assert re.search("<h2>Worst ten</h2>.*?<b>(U[0-9]+)</b>", page, re.DOTALL)[1] == "U8"
     for cause in ("no network", "largest error of the map", "warning"):
@@ -73,6 +75,7 @@ def test_a_page_has_yield_outliers_and_every_unit(here, capsys):
     from pyarrow import parquet
     table = parquet.read_table(here / "lot.parquet")
     assert table.num_rows == _COUNT and table["focal_px"][6].as_py() == 190.0
+    assert table["focal_px_error"][6].as_py() == .1 and table["numpy"][6].as_py() == np.__version__
     assert table["reasons"][9].as_py() == ["no photo shows the target"]
 
 
@@ -83,6 +86,70 @@ def test_control_limits_do_not_widen_for_bad_units():
     low, middle, high = control_limits(values)
     assert abs(middle - 5) < .1 and abs(low - 2) < .3 and abs(high - 8) < .4
     assert np.isnan(control_limits(np.array([np.nan]))).all()
+
+
+def test_a_magnitude_has_an_upper_control_limit_only():
+    """Of two normal parts, 99.5 % or more of the units are within it."""
+    rng = np.random.default_rng(1)
+    values = np.hypot(*rng.normal(0, 1, (2, 20000)))
+    low, middle, high = control_limits(values, magnitude=True)
+    assert low == -np.inf and abs(middle - 1.177) < .02
+    assert .995 < (values < high).mean() < .999
+    assert np.isnan(control_limits(np.array([np.nan]), True)).all()
+
+
+def test_capability_is_that_of_the_units_and_of_the_units_without_the_error():
+    rng = np.random.default_rng(1)
+    true, error = rng.normal(10, .3, 50000), .4
+    values = true + rng.normal(0, error, len(true))
+    found = capability(values, np.full(len(true), error), 7.0, 11.5)
+    assert np.isclose(found["sigma"], .5, rtol=.01) and np.isclose(found["error"], error)
+    assert np.isclose(found["cp"], 4.5 / 3.0, rtol=.01)
+    assert np.isclose(found["cpk"], 1.5 / 1.5, rtol=.02)
+    assert np.isclose(found["cp_without_error"], 4.5 / 1.8, rtol=.02)
+    assert np.isclose(found["cpk_without_error"], 1.5 / .9, rtol=.02)
+    one_sided = capability(values, np.full(len(true), np.nan), None, 11.5)
+    assert one_sided["cp"] is one_sided["cpk_without_error"] is one_sided["error"] is None
+    assert np.isclose(one_sided["cpk"], found["cpk"])
+    assert capability(values, np.full(len(true), 2.0), 7.0, 11.5)["cpk_without_error"] is None
+    assert capability(values, values, None, None) == capability(values[:1], values[:1], 0, 1) == {}
+
+
+def test_a_page_has_the_capability_of_limits(tmp_path, monkeypatch, capsys):
+    monkeypatch.setattr("ncdc.report.lot.embedded_plot", lambda *_: "")     # seconds each
+    database = begun(tmp_path, 20, max_tilt=2.0, min_focal=165.0, max_focal=180.0)
+    driven(database, answer)
+    database.close()
+    assert main(["lot", "report", str(tmp_path), "-o", str(tmp_path / "lot.html"),
+                 "--json", "-"]) == 0
+    able = json.loads(capsys.readouterr().out)["capability"]
+    assert able["focal_px"]["cp"] > .3 and able["focal_px"]["error"] == pytest.approx(.1)
+    assert able["tilt_deg"]["cp"] is None and able["tilt_deg"]["cpk"] is None     # no spread
+    assert "roll_deg" not in able
+    page = (tmp_path / "lot.html").read_text()
+    [table] = re.findall("<h2>Capability</h2>.*?</table>", page, re.DOTALL)
+    assert "<td>focal length</td>" in table and "<td>roll</td>" not in table
+    assert "up to 0." in page                                   # control limit of a magnitude
+
+
+NAMES = r"$\alpha^$", "cell $5 for $6", "_hidden", "第二工位", "محطة", "<b>one</b>", "a & b", "🏭 3"
+
+
+@pytest.mark.longer
+def test_names_of_stations_are_plain_text_in_any_script(tmp_path):
+    """In a process of its own: Matplotlib prints what fonts lack on stderr."""
+    database = begun(tmp_path, 0)
+    database.add([Unit(f"U{k}", (), name) for k, name in enumerate(NAMES)], "bench")
+    driven(database, answer)
+    database.close()
+    done = subprocess.run([sys.executable, "-W", "error::UserWarning", "-m", "ncdc", "lot",
+                           "report", "."], cwd=tmp_path, capture_output=True, text=True)
+    assert (done.returncode, done.stderr) == (0, "")
+    page = (tmp_path / "lot.html").read_text()
+    trend = re.search("<h2>Trend</h2>(.*?)<h2>", page, re.DOTALL)[1]
+    shown = [html.unescape(name) for name in re.findall(r"&#9679;</span> (.*?)</span>", trend)]
+    assert shown == list(NAMES)
+    assert len(set(re.findall(r'style="color: (#\w+)"', trend))) == len(NAMES)
 
 
 @pytest.mark.parametrize("arguments", [
@@ -115,6 +182,8 @@ def test_a_unit_is_shown_with_its_files(here, capsys):
     said = capsys.readouterr().out
     assert said.startswith("U8: fail\n  largest error of the map: 0.700 px, the maximum is 0.5 px")
     assert "/photos/8.png  sha256 0000" in said and "unit/net.toml" in said
+    assert re.search(r"^focal length  .* ± 0\.1 px$", said, re.MULTILINE)
+    assert re.search(rf"^NumPy  .* {np.__version__}$", said, re.MULTILINE)
     assert (here / "unit/net.toml").read_text() == "version = 1\n"
     assert (here / "unit/picture.jpg").read_bytes() == b"jpeg"
     assert main(["lot", "show", "march", "U10", "-o", "none"]) == 2

@@ -1,10 +1,12 @@
 """Lots whose work is scripted: what the driver and the database make of it."""
 
 from concurrent.futures import ThreadPoolExecutor
+from itertools import count as counted
 from threading import Barrier
 
 from ncdc.lot.database import Database
 from ncdc.lot.figures import FIGURES, LIMITS
+from ncdc.lot.identity import identity
 from ncdc.lot.run import SchedulerLost, run_lot
 from ncdc.lot.units import Unit
 from ncdc.lot.work import Outcome, Request
@@ -14,16 +16,20 @@ __all__ = ["GOOD", "Scripted", "begun", "driven", "outcome", "together"]
 GOOD = {"points": 1100, "photos_used": 3, "coverage_percent": 99.0, "neurons": 6,
         "max_error_px": 0.2, "mean_error_px": 0.02, "straightness_px": 0.02, "focal_px": 171.0,
         "axis_px": 1.0, "decentring_px": 0.3, "tilt_deg": 0.0, "roll_deg": -0.2,
-        "uneven_px": 0.02}
+        "aspect": 1.0, "uneven_px": 0.02, "disagreement_px": 0.002, "blur_ratio": 1.02}
 assert GOOD.keys() == {figure.name for figure in FIGURES}
+GOOD |= {"focal_px_error": 0.1, "axis_px_error": 0.05, "decentring_px_error": 0.02,
+         "tilt_deg_error": 0.1, "roll_deg_error": 0.01, "aspect_error": 0.0002}
 _REQUEST = Request(target="dots", neurons=6)
 _OPTIONS = {**vars(_REQUEST), **LIMITS}
+_PHOTOS = counted()         # no two units have a photo in common
 
 
 def outcome(**figures):
     """:class:`Outcome` of a good unit with other ``figures``."""
     return Outcome(figures=GOOD | figures, descriptor="version = 1\n", digest="0123456789ab",
-                   photo_hashes=["00" * 32], picture=b"jpeg", seconds=2.0, worker="bench")
+                   photo_hashes=[f"{next(_PHOTOS):064x}"], picture=b"jpeg", seconds=2.0,
+                   worker="bench", made_by=identity())
 
 
 class Scripted:
@@ -54,13 +60,13 @@ class Scripted:
         return [(tag, answer)]
 
 
-def begun(where, count=6, station="bench"):
+def begun(where, count=6, station="bench", **limits):
     """:class:`Database` of a lot of ``count`` units U1, U2, ..., in the folder or at the address
-    ``where``."""
+    ``where``; its options have other ``limits``."""
     where = str(where)
     database = Database(where if "://" in where else f"sqlite:///{where}/lot.db", create=True)
-    database.begin(_OPTIONS, [Unit(f"U{k}", (f"/photos/{k}.png",)) for k in range(1, count + 1)],
-                   station)
+    units = [Unit(f"U{k}", (f"/photos/{k}.png",)) for k in range(1, count + 1)]
+    database.begin(_OPTIONS | limits, units, station)
     return database
 
 

@@ -29,17 +29,27 @@ class Cluster:
     ----------
     count : int
         Workers, of one thread each.
+    tls : sequence of str, optional
+        Files of the authority's certificate, of a certificate, and of its key, for all of them.
     """
 
-    def __init__(self, count):
+    def __init__(self, count, tls=()):
         with socket.socket() as one:
             one.bind(("127.0.0.1", 0))
             port = one.getsockname()[1]
-        self.address = f"tcp://127.0.0.1:{port}"
-        self.scheduler = _dask("scheduler", "--host", "127.0.0.1", "--port", port,
-                               "--no-dashboard")
-        self.workers = [_dask("worker", self.address, "--nthreads", 1, "--no-dashboard",
-                              "--death-timeout", 20) for _ in range(count)]
+        self.address = f"{'tls' if tls else 'tcp'}://127.0.0.1:{port}"
+        self._tls = [part for option, file in zip(("--tls-ca-file", "--tls-cert", "--tls-key"), tls)
+                     for part in (option, file)]
+        self.scheduler = _dask("scheduler", "--host", self.address.rpartition(":")[0], "--port",
+                               port, "--no-dashboard", *self._tls)
+        self.workers = []
+        for _ in range(count):
+            self.start_worker()
+
+    def start_worker(self, **environment):
+        """Start one more worker, with other variables of the ``environment``."""
+        self.workers.append(_dask("worker", self.address, "--nthreads", 1, "--no-dashboard",
+                                  "--death-timeout", 20, *self._tls, **environment))
 
     def kill_worker(self):
         """Kill the process that works, which its nanny starts again."""
@@ -61,9 +71,9 @@ class Cluster:
 
 
 @contextmanager
-def cluster(count):
+def cluster(count, tls=()):
     """Yield a :class:`Cluster` that ends with the block."""
-    started = Cluster(count)
+    started = Cluster(count, tls)
     try:
         yield started
     finally:
@@ -131,9 +141,10 @@ def station(folder, lot, *more):
         started.process.communicate()
 
 
-def _dask(*arguments):
+def _dask(*arguments, **environment):
     return subprocess.Popen([sys.executable, "-m", "dask", *map(str, arguments)],
-                            stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+                            env={**os.environ, **environment}, stdout=subprocess.DEVNULL,
+                            stderr=subprocess.DEVNULL)
 
 
 def lot_command(units, lot, *more):

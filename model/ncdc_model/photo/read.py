@@ -7,7 +7,7 @@ from ncdc_model.photo.opencv import read_opencv
 from ncdc_model.photo.tiff import read_tiff
 from ncdc_spec.files import read_bytes
 
-__all__ = ["read_photo"]
+__all__ = ["decode_photo", "read_photo"]
 
 _READERS = {Kind.TIFF: read_tiff, Kind.CAMERA_RAW: read_camera_raw, Kind.NUMPY: read_npy}
 
@@ -23,7 +23,11 @@ def read_photo(path, bits=None, warn=lambda sentence: None):
     InputError
         If the file cannot be read, holds no image of a supported format, or contradicts ``bits``.
     """
-    content = read_bytes(path)
+    return decode_photo(path, read_bytes(path), bits, warn)
+
+
+def decode_photo(path, content, bits=None, warn=lambda sentence: None):
+    """As :func:`read_photo`, of a file whose ``content`` was read before."""
     kind = kind_of(content, path)
     if reader := _READERS.get(kind):
         return reader(path, content, bits, warn)
