@@ -27,6 +27,7 @@ _BEHIND = 0.7          # share of black of the wall behind it
 _MARGIN = 2.0          # pixels from the border: a corner closer to it is not counted as seen
 _ACROSS = 12.0         # pixels between a corner and the nearest: with fewer it is not counted
 _MARKERS = 8           # texels of a ChArUco board's square: one for each cell of its markers
+_SLANT = 0.25          # of the grid of samples: edges along it would be a quarter of a pixel coarse
 _CELLS = 10            # cells of Kalibr's tags, the border of two included
 
 
@@ -152,5 +153,5 @@ def photograph_board(lens, board, seed=0, size=SIZE):
     near = np.linalg.norm(xy[:, None] - xy[None], axis=2)
     np.fill_diagonal(near, np.inf)
     seen &= near.min(axis=1) >= _ACROSS
-    image = expose(lens, board.ink, seed, size)
+    image = expose(lens, board.ink, seed, size, _SLANT)
     return Photo(image, (Truth(board.kind, index, xy, seen),))

@@ -62,20 +62,22 @@ def photograph(lens, page, seed=0):
     return Photo(image, (_truth(lens, page),))
 
 
-def expose(lens, ink, seed=0, size=SIZE):
+def expose(lens, ink, seed=0, size=SIZE, slant=0.0):
     """Grey uint8 picture of ``size`` through ``lens``, with vignetting and noise.
 
     ``ink``: function of the directions (2, ...) of samples, as ``lens.angles`` gives them; the
-    share of black of each.
+    share of black of each. ``slant``: the samples of a pixel lie in rows and columns that are
+    turned by so much; 1/4 spreads them evenly across edges along the rows and columns, too.
     """
     offsets = (np.arange(_SUB) + .5) / _SUB - .5
-    columns = (np.arange(size[0])[:, None] + offsets).ravel()
-    image = np.empty(size[::-1])
+    image = np.zeros(size[::-1])
     for top in range(0, size[1], _BAND):
-        rows = (np.arange(top, min(top + _BAND, size[1]))[:, None] + offsets).ravel()
-        band = ink(lens.angles(columns, rows))
-        image[top:top + len(rows) // _SUB] = band.reshape(len(rows) // _SUB, _SUB, size[0],
-                                                         _SUB).mean(axis=(1, 3))
+        rows = np.arange(top, min(top + _BAND, size[1]))
+        for down in offsets:
+            for right in offsets:
+                image[rows] += ink(lens.angles(np.arange(size[0]) + right + slant * down,
+                                               rows + down + slant * right))
+    image /= _SUB * _SUB
     x, y = np.meshgrid(*(np.linspace(-1, 1, side) for side in size))
     light = 1 - _FALL * (x * x + y * y) / 2
     grey = (_PAPER + (_INK - _PAPER) * image) * light

@@ -19,6 +19,8 @@ __all__ = ["board_of_size", "examined", "find_boards", "find_chessboard", "grey_
 _ENOUGH = 12           # corners of a part of a board
 _SCALE = 2.0           # pixels: blur at which OpenCV finds corners
 _LARGEST = 1 << 21     # pixels of a picture that OpenCV searches: it takes 200 bytes for each
+_GREY = 110            # of a raw frame's mean brightness
+_WHITE, _SAMPLED = 99, 7        # percentile that is white, and pixels between those counted
 _COPY = 1_500_000      # pixels of the copy that it searches of a larger one
 
 
@@ -100,7 +102,8 @@ def grey_picture(image):
     if image.ndim == 3:
         return cv2.cvtColor(image, cv2.COLOR_RGB2GRAY)
     flat = flat_field(image)
-    flat *= 110
+    # White on a dark wall is over twice as bright as its surroundings: it must not be cut off.
+    flat *= min(_GREY, 255 / max(float(np.percentile(flat[::_SAMPLED, ::_SAMPLED], _WHITE)), 1))
     return np.clip(flat, 0, 255, out=flat).astype(np.uint8)
 
 

@@ -14,7 +14,6 @@ _OF_MARGIN = 0.2       # of the distance to the marker: largest Gaussian
 _TWICE = 2.0           # times that scale: the second one
 _APART = 0.5           # pixels between the positions at both: less means four equal squares
 _SHARP = 3.0           # pixels of blur: less is sharp
-_EDGE = 2.5            # pixels: shortest edges that determine a corner
 _HALF = 5              # pixels to either side: largest window on a sharp corner's edges
 _STOP = (cv2.TERM_CRITERIA_EPS | cv2.TERM_CRITERIA_COUNT, 50, 1e-3)
 _STEPS = 8             # Newton iterations, at most, each of no more than a scale
@@ -53,19 +52,19 @@ def refine(grey, index, xy, scale, margin=None):
     near = gaps(index, xy)
     if margin is None:
         sigma, plain = np.clip(_PART * near, *_SCALE), near / 3
+        other = _TWICE * sigma
     else:
+        # A marker would enter the second scale, if it were the larger one.
         plain = margin * near
         sigma = np.clip(_OF_MARGIN * plain, _FINE, _SCALE[1])
-    corner, light = _around(grey, xy, _TWICE * sigma.max())
+        other = np.maximum(sigma / _TWICE, _FINE)
+    corner, light = _around(grey, xy, max(sigma.max(), other.max()))
     moved, found = _saddles(light, xy - corner, sigma)
-    again, still = _saddles(light, moved, _TWICE * sigma)
+    again, still = _saddles(light, moved, other)
     moved, again = moved + corner, again + corner
     # The four squares differ in a shadow or glare: use their edges, if they are sharp.
-    uneven = ~(still & (np.linalg.norm(again - moved, axis=1) < _APART))
-    if margin is not None:
-        # A marker may end the saddle at twice the scale too, and leave the edges too short.
-        uneven &= still & (plain > _EDGE)
-    uneven &= found
+    apart = _APART * np.minimum(1, other / sigma)
+    uneven = found & ~(still & (np.linalg.norm(again - moved, axis=1) < apart))
     if uneven.any():
         uneven[uneven] = ~(edge_blur(grey, xy[uneven], near[uneven]) >= _SHARP)
         moved[uneven] = _by_edges(grey, xy[uneven], plain[uneven])
@@ -90,12 +89,13 @@ def _by_edges(grey, xy, plain):
     ``plain``: pixels (n,) to either side that hold nothing else.
     """
     moved, limit = xy.astype(np.float64).copy(), np.array(grey.shape[::-1])
-    half = int(np.clip(plain.min(), 2, _HALF)) if len(plain) else 2
-    inside = ((xy > half + 1) & (xy < limit - half - 2)).all(axis=1)
-    if inside.any():
-        corners = xy[inside].astype(np.float32).reshape(-1, 1, 2).copy()
-        moved[inside] = cv2.cornerSubPix(grey, corners, (half, half), (-1, -1),
-                                         _STOP).reshape(-1, 2)
+    halves = np.clip(plain, 2, _HALF).astype(int)
+    for half in np.unique(halves):
+        inside = (halves == half) & ((xy > half + 1) & (xy < limit - half - 2)).all(axis=1)
+        if inside.any():
+            corners = xy[inside].astype(np.float32).reshape(-1, 1, 2).copy()
+            moved[inside] = cv2.cornerSubPix(grey, corners, (int(half), int(half)), (-1, -1),
+                                             _STOP).reshape(-1, 2)
     return moved
 
 
