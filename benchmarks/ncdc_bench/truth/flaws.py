@@ -1,4 +1,4 @@
-"""``ncdc bench truth --flaws``: flaws of a camera and their standard errors, compared with the truth.
+"""``ncdc bench truth --flaws``: flaws of cameras and their standard errors, and the true ones.
 
 Two lenses have their sensor tilted by half a degree to four degrees, each in another direction.
 """

@@ -8,7 +8,7 @@ from scipy.spatial.transform import Rotation
 from ncdc_bench.photos.targets import Photo, Truth
 from ncdc_bench.truth.lenses import SIZE
 
-__all__ = ["POSES", "RADIUS", "Page", "area", "centroid", "photograph", "seen", "whole"]
+__all__ = ["POSES", "RADIUS", "Page", "area", "centroid", "expose", "photograph", "seen", "whole"]
 
 _SUB = 4               # samples of a pixel on each axis
 _BAND = 32             # rows at a time: bounds the memory
@@ -79,19 +79,31 @@ def photograph(lens, page, seed=0):
     Its truth counts the dots whose whole outline lies in the picture, at least 3 pixels wide.
     """
     inverse = np.linalg.inv(page.plane)
+    image = expose(lens, lambda angles: _ink(inverse, page, angles), seed)
+    return Photo(image, (_truth(lens, page),))
+
+
+def expose(lens, ink, seed=0, size=SIZE, slant=0.0):
+    """Grey uint8 picture of ``size`` through ``lens``, with vignetting and noise.
+
+    ``ink``: function of the directions (2, ...) of samples, as ``lens.angles`` gives them; the
+    share of black of each. ``slant``: the samples of a pixel lie in rows and columns that are
+    turned by so much; 1/4 spreads them evenly across edges along the rows and columns, too.
+    """
     offsets = (np.arange(_SUB) + .5) / _SUB - .5
-    columns = (np.arange(SIZE[0])[:, None] + offsets).ravel()
-    image = np.empty(SIZE[::-1])
-    for top in range(0, SIZE[1], _BAND):
-        rows = (np.arange(top, min(top + _BAND, SIZE[1]))[:, None] + offsets).ravel()
-        ink = _ink(inverse, page, lens.angles(columns, rows))
-        image[top:top + len(rows) // _SUB] = ink.reshape(len(rows) // _SUB, _SUB, SIZE[0],
-                                                         _SUB).mean(axis=(1, 3))
-    x, y = np.meshgrid(*(np.linspace(-1, 1, side) for side in SIZE))
+    image = np.zeros(size[::-1])
+    for top in range(0, size[1], _BAND):
+        rows = np.arange(top, min(top + _BAND, size[1]))
+        for down in offsets:
+            for right in offsets:
+                image[rows] += ink(lens.angles(np.arange(size[0]) + right + slant * down,
+                                               rows + down + slant * right))
+    image /= _SUB * _SUB
+    x, y = np.meshgrid(*(np.linspace(-1, 1, side) for side in size))
     light = 1 - _FALL * (x * x + y * y) / 2
     grey = (_PAPER + (_INK - _PAPER) * image) * light
     grey += np.random.default_rng(seed).normal(0, _NOISE, grey.shape)
-    return Photo(np.clip(np.rint(grey), 0, 255).astype(np.uint8), (_truth(lens, page),))
+    return np.clip(np.rint(grey), 0, 255).astype(np.uint8)
 
 
 def _ink(inverse, page, angles):

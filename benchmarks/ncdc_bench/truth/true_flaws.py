@@ -62,8 +62,8 @@ def _decentring(lens):
 
 
 def compared(lens, page, frame):
-    """Row of true figures, figures of an :class:`IdealFrame` and standard errors: ``tilt_true_deg``,
-    ``tilt_deg``, ``tilt_error_deg``, and so on.
+    """Row of true figures, figures of an :class:`IdealFrame` and their standard errors:
+    ``tilt_true_deg``, ``tilt_deg``, ``tilt_error_deg``, and so on.
 
     ``page``: of the first photo.
     """
