@@ -4,18 +4,20 @@ Two lenses have their sensor tilted by half a degree to four degrees, each in an
 """
 
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
 from ncdc_bench.truth.lenses import LENSES, TrueLens
-from ncdc_bench.truth.synthetic import page_at, points_of, poses
+from ncdc_bench.truth.measure import found_points, page_in_front
 from ncdc_bench.truth.true_flaws import FIGURES, compared
 from ncdc_model.calibration.frame import ideal_frame
 
-__all__ = ["CELLS", "TILTS", "failed", "jobs", "row_of", "table", "tilted"]
+__all__ = ["TARGETS", "TILTS", "failed", "jobs", "row_of", "summary", "table", "tilted"]
 
 TILTS = 0.5, 1.0, 1.5, 2.0, 2.5, 3.0, 4.0      # degrees
-CELLS = {"dots": (32, 24), "chessboard": (14, 10)}
+TARGETS = "dots", "chessboard"
+_PHOTOS = 3
 _LENSES = (LENSES["equidistant 105"],
            TrueLens("perspective 760", "opencv", 760.0, (642.5, 475.5),
                     (-.26, .08, .0004, -.0003, -.01)))
@@ -31,17 +33,23 @@ def tilted(lens, degrees, number):
         np.radians(degrees) * np.array([np.cos(turn), np.sin(turn)])))
 
 
-def jobs(photos=3):
-    """(lens, target, photos) of each row."""
-    return [(tilted(lens, degrees, number + len(TILTS) * (lens is _LENSES[1])), target, photos)
-            for target in CELLS for lens in _LENSES for number, degrees in enumerate(TILTS)]
+def jobs(options):
+    """(text, function that gives a row) of each target, lens and tilt."""
+    found = []
+    for target in TARGETS:
+        for first, lens in enumerate(_LENSES):
+            for number, degrees in enumerate(TILTS):
+                lens_here = tilted(lens, degrees, number + first * len(TILTS))
+                found.append((f"{lens_here.name}, {target}", partial(
+                    row_of, lens_here, target, options.photos or _PHOTOS, options.exact)))
+    return found
 
 
-def row_of(lens, target, photos, share=1.0, seed=0):
+def row_of(lens, target, photos, exact, seed=0):
     """A row of the report: figures, standard errors, and what of them fails."""
-    pages = [page_at(lens, share, turns, CELLS[target]) for turns in poses(photos)]
-    frame = ideal_frame(points_of(lens, pages, target, seed=seed))
-    row = {"lens": lens.name, "target": target, "photos": photos, "page_share": share,
+    pages = [page_in_front(lens, target, number) for number in range(photos)]
+    frame = ideal_frame(found_points(lens, pages, target, exact, seed))
+    row = {"lens": lens.name, "target": target, "photos": photos, "page_share": 1.0,
            **compared(lens, pages[0], frame)}
     return row | {"fails": _fails(row)}
 
@@ -71,6 +79,13 @@ def _fails(row):
 def failed(row):
     """Whether a row shows a defect."""
     return bool(row["fails"])
+
+
+def summary(rows):
+    """Counts of rows by target."""
+    return {target: {"rows": len(some), "failed": sum(map(failed, some)),
+                     "largest_tilt_error_deg": max(row["tilt_error_deg"] for row in some)}
+            for target in TARGETS if (some := [row for row in rows if row["target"] == target])}
 
 
 def table(rows):

@@ -9,7 +9,7 @@ from scipy.optimize import least_squares
 from ncdc_bench.truth.lenses import SIZE
 from ncdc_model.flaw_figures import flaws_of
 
-__all__ = ["FIGURES", "compared", "true_flaws", "true_roll"]
+__all__ = ["FIGURES", "compared", "tilt_figures", "true_flaws", "true_roll"]
 
 FIGURES = "focal_px", "axis_px", "decentring_px", "tilt_deg", "aspect", "roll_deg"
 _GRID = 33, 25         # positions over the picture at which a decentring is measured
@@ -75,3 +75,10 @@ def compared(lens, page, frame):
                             ("_error", found[f"{name}_error"])):
             row[f"{kind}{word}{'_' * bool(unit)}{unit}"] = value
     return row
+
+
+def tilt_figures(lens, frame):
+    """``tilt_true_deg``, ``tilt_deg`` and ``tilt_error_deg`` of an :class:`IdealFrame`."""
+    found = flaws_of(frame.camera, frame)
+    return {"tilt_true_deg": float(np.degrees(np.hypot(*lens.tilt))), "tilt_deg": found.tilt_deg,
+            "tilt_error_deg": found.tilt_deg_error}
