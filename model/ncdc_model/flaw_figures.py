@@ -5,6 +5,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from ncdc_model.calibration.page_bend import bent_lenses
+from ncdc_model.calibration.smooth import SmoothFit
 from ncdc_model.calibration.smooth_vector import (
     ASPECT,
     DECENTRING,
@@ -13,12 +15,13 @@ from ncdc_model.calibration.smooth_vector import (
     lens_of,
     planes_of,
 )
-from ncdc_model.compare import fitted_plane
+from ncdc_model.fitted_plane import fitted_plane
 from ncdc_model.lens import BrownWeng, TiltedSensor
 
-__all__ = ["Flaws", "axis_pixel", "decentring", "effect", "flaws_of", "focal_length", "tilt",
-           "tilt_effect"]
+__all__ = ["SAG", "Flaws", "axis_pixel", "decentring", "effect", "flaws_of", "focal_length",
+           "sag_effect", "tilt", "tilt_effect"]
 
+SAG = 0.001             # of a page's extent: a bend whose effect is stated
 _GRID = 33, 25          # positions over the picture at which flaws are measured
 _EXACT = 1e-6           # pixels: less is no effect
 
@@ -102,6 +105,18 @@ def tilt(camera):
 def tilt_effect(camera):
     """Pixels, at most, by which the tilt of the sensor moves points."""
     return effect(camera, replace(camera, tilt=TiltedSensor()))
+
+
+def sag_effect(camera, frame, sag):
+    """Pixels, root mean square and at most, by which the map of ``camera`` is off if the page was
+    bent to a cylinder by ``sag``, in parts of its extent, and the photos of the
+    :class:`IdealFrame` do not show it: along its columns or its rows, what is more.
+    """
+    fit, found = SmoothFit.of(camera.size, frame.fits[-1]), []
+    for bent in bent_lenses(camera.size, frame.cells, fit, sag):
+        far = np.hypot(*_moved(camera, replace(bent, frame=camera.frame)))
+        found.append((float(np.sqrt(np.nanmean(far**2))), float(np.nanmax(far))))
+    return max(found, key=lambda pair: pair[1])
 
 
 def effect(camera, without):

@@ -2,11 +2,14 @@
 
 import numpy as np
 
+from ncdc_model.calibration.page_bend import PHOTOS
 from ncdc_model.flaw_figures import (
+    SAG,
     axis_pixel,
     decentring,
     flaws_of,
     focal_length,
+    sag_effect,
     tilt,
     tilt_effect,
 )
@@ -33,7 +36,7 @@ def lens_rows(camera, frame=None):
     if isinstance(camera, Camera):
         rows += [_decentring(camera, flaws), _tilt(camera, flaws), *_aspect(camera, flaws)]
     if frame is not None:
-        rows += [_roll(frame, flaws), _rest(frame)]
+        rows += [_roll(frame, flaws), _page(camera, frame), _rest(frame)]
     return rows
 
 
@@ -124,6 +127,19 @@ def _roll(frame, flaws):
     return ("Roll", f"{flaws.roll_deg:+.2f}{_error(flaws, 'roll_deg_error', 2)}°",
             f"the target of {frame.names[0] or 'the first photo'} is turned by as much, clockwise, "
             f"to the rows of the sensor: so is the camera, if the target hung level")
+
+
+def _page(camera, frame):
+    sag, error = frame.sag
+    if sag:
+        return ("Page", f"bent by {100 * sag:.2f} ± {100 * error:.2f} %", "of its length: the "
+                "photos from several sides prove it, and it is taken off the points")
+    if len(frame.names) >= PHOTOS:
+        return "Page", "flat", "the photos from several sides show no bend"
+    rms, most = sag_effect(camera, frame, SAG)
+    return ("Page", "not known", f"few photos do not show whether the page is flat: each "
+            f"{100 * SAG:.1f} % of sag moves the map by up to {most:.2f} px, {rms:.2f} px rms. "
+            f"Three photos from different sides show it")
 
 
 def _rest(frame):

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from ncdc_model.calibration.smooth_problem import Problem
-from ncdc_model.calibration.smooth_vector import FLAWS, LENS, fixed
+from ncdc_model.calibration.smooth_vector import FLAWS, fixed
 
 _LENS = [600, 640, 480, -.05, .01, .002, -.001, .002, -.001, .3, .1, .001, -.002, .02, -.03, .05,
          .02]

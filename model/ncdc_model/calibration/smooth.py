@@ -55,11 +55,16 @@ class SmoothFit:
     def normal(self, photo, index):
         """Pixels (n, 2) by which points of the target move for a step, one column, towards the
         camera along its normal."""
+        return (self.raised(photo, index, 0.01) - self.raised(photo, index, -0.01)) / 0.02
+
+    def raised(self, photo, index, height):
+        """Pixels (n, 2) by which points of the target move that lie ``height``, a number or (n,),
+        steps above its plane, towards the camera."""
         first, second, _ = self.planes[photo].T
-        step = 0.01 * np.cross(first, second) * np.linalg.norm(first)
-        step = step / np.linalg.norm(np.cross(first, second))
+        up = np.cross(second, first) * np.linalg.norm(first)
+        up = up / np.linalg.norm(np.cross(first, second))
         rays = self.rays(photo, index)
-        return (self._seen(rays - step) - self._seen(rays + step)) / 0.02
+        return self._seen(rays + np.multiply.outer(height, up)) - self._seen(rays)
 
     def pixels(self, photo, index):
         """Distorted pixels (n, 2) of the target's points ``index`` (n, 2)."""

@@ -40,11 +40,12 @@ class Estimate:
     step: np.ndarray
 
     @classmethod
-    def of(cls, problem, vector, more=None, spread=()):
+    def of(cls, problem, vector, more=None, spread=(), share=1.0):
         """Estimate of a ``problem`` at ``vector``, the parameters of a fit of it.
 
         ``more``: derivatives (b, 2 n) of the residuals by b further parameters, which are zero at
-        ``vector``; ``spread`` (b,): their usual sizes.
+        ``vector``; ``spread`` (b,): their usual sizes. ``share``: of all points, those in
+        ``problem``.
         """
         count = 2 * len(problem.owner)
         rows = problem.derivatives(vector)[:, :count]
@@ -55,7 +56,7 @@ class Estimate:
         inner = max(float(np.mean(np.abs(rest) <= ROBUST)), 0.1)
         free = max(count - len(rows), count / 8)
         variance = max((near @ near) / free / inner**2, _LEAST**2)
-        variance *= _alike(problem, near.reshape(-1, 2), len(vector))
+        variance *= share * _alike(problem, near.reshape(-1, 2), len(vector))
         prior = np.zeros(len(rows))
         usual = problem.units(vector) / SPREAD
         prior[:LENS], prior[len(vector):] = usual**2, np.asarray(spread, np.float64)**-2.0

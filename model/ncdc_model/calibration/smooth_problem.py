@@ -62,9 +62,10 @@ class Problem:
         self.owner = np.repeat(np.arange(len(photos)), [len(xy) for xy in self.points])
         self.prior_scale = size[0] * max(_ALONE / len(photos)**2, _TOGETHER) / SPREAD
 
-    def part(self):
-        """The problem with some of each photo's points, enough for a search."""
-        limit, rng = max(_SOME // len(self.points), MIN_POINTS), np.random.default_rng(1)
+    def part(self, some=_SOME):
+        """The problem with ``some`` points of all photos; as many as by default suffice for a
+        search."""
+        limit, rng = max(some // len(self.points), MIN_POINTS), np.random.default_rng(1)
         chosen = [rng.permutation(len(xy))[:limit] for xy in self.points]
         return Problem(self.size, [(index[some], xy[some]) for index, xy, some in
                                    zip(self.indices, self.points, chosen)])
