@@ -152,12 +152,15 @@ def test_what_fails_of_parts(share, stated, named, fails):
     ("flat", 3, {}, []), ("flat", 1, {"named": True}, ["flat page"]),
     ("flat", 3, {"sag_percent": .1, "sag_true_percent": .1}, ["flat page"]),
     ("bulge", 3, {"true_rms_px": .16}, ["silent"]), ("bulge", 3, {"true_rms_px": .14}, []),
-    ("bulge", 1, {"true_rms_px": .16}, []), ("bulge", 3, {"true_rms_px": 2, "named": True}, []),
+    ("bulge", 1, {"true_max_px": .16}, []),
+    ("cylinder 1 %", 1, {"true_max_px": .16}, ["sag's effect"]),
+    ("cylinder 1 %", 1, {"true_max_px": .14}, []), ("bulge", 3, {"true_rms_px": 2, "named": True}, []),
     ("bulge", 3, {"sag_percent": .2, "sag_true_percent": .3}, ["sag"]),
     ("bulge", 3, {"sag_percent": .28, "sag_true_percent": .3}, [])])
 def test_what_fails_of_bends(page, photos, change, fails):
     row = {"page": page, "photos": photos, "named": False, "sag_percent": 0.0, "relief_px": 0.0,
-           "sag_true_percent": 0.0, "sag_error_percent": .01, "true_rms_px": .01}
+           "sag_true_percent": 0.0, "sag_error_percent": .01, "true_rms_px": .01,
+           "true_max_px": .1, "bent_max_px": .15}
     assert bend._fails(row | change) == fails
 
 

@@ -102,7 +102,7 @@ def measure(lens, points, neurons, choices=TrainingChoices()):
     said = list(dict.fromkeys([*said, *report.get("warnings", ())]))
     return {"lens": lens.name, "target": points.target, "photos": len(points.photos),
             "hidden_neurons": neurons, **tilt_figures(lens, source.frame),
-            **_sag_figures(source.frame),
+            **_sag_figures(source.frame, report),
             "warned": bool(said), "warnings": said,
             "relief_px": report["relief_rms_px"], "true_rms_px": rms, "true_max_px": worst,
             "reported_rms_px": report["map_error_fixed_px"]["mse"]**.5,
@@ -112,10 +112,13 @@ def measure(lens, points, neurons, choices=TrainingChoices()):
             "held_out_max_px": report["held_out"]["map_error_fixed_px"]["max"]}
 
 
-def _sag_figures(frame):
-    """``sag_percent`` of the page that was taken off the points, and ``sag_error_percent``."""
-    sag, error = getattr(frame, "sag", (0.0, 0.0))
-    return {"sag_percent": 100 * sag, "sag_error_percent": 100 * error if error > 0 else None}
+def _sag_figures(frame, report):
+    """``sag_percent`` of the page that was taken off the points, and ``sag_error_percent``; and
+    ``per_sag_px``, stated pixels by which each percent of sag moves the map at most."""
+    sag, error = frame.sag
+    stated = report.get("page_sag")
+    return {"sag_percent": 100 * sag, "sag_error_percent": 100 * error if error > 0 else None,
+            "per_sag_px": stated["max_px"] / stated["sag_percent"] if stated else 0.0}
 
 
 def true_errors(lens, descriptor, step=_STEP):
