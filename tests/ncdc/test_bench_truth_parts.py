@@ -154,7 +154,8 @@ def test_what_fails_of_parts(share, stated, named, fails):
     ("bulge", 3, {"true_rms_px": .16}, ["silent"]), ("bulge", 3, {"true_rms_px": .14}, []),
     ("bulge", 1, {"true_max_px": .16}, []),
     ("cylinder 1 %", 1, {"true_max_px": .16}, ["sag's effect"]),
-    ("cylinder 1 %", 1, {"true_max_px": .14}, []), ("bulge", 3, {"true_rms_px": 2, "named": True}, []),
+    ("cylinder 1 %", 1, {"true_max_px": .14}, []),
+    ("bulge", 3, {"true_rms_px": 2, "named": True}, []),
     ("bulge", 3, {"sag_percent": .2, "sag_true_percent": .3}, ["sag"]),
     ("bulge", 3, {"sag_percent": .28, "sag_true_percent": .3}, [])])
 def test_what_fails_of_bends(page, photos, change, fails):

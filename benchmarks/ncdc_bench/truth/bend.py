@@ -87,7 +87,8 @@ def failed(row):
 def table(rows):
     """The rows as a table in Markdown."""
     lines = ["| page | photos | map, true: rms / max px | reported: rms / max px | "
-             "of this sag: max px | sag, true: % | named | fails |", "|---|---|---|---|---|---|---|---|"]
+             "of this sag: max px | sag, true: % | named | fails |",
+             "|---|---|---|---|---|---|---|---|"]
     for row in rows:
         lines.append("| " + " | ".join([
             row["page"], str(row["photos"]),
