@@ -43,23 +43,28 @@ def row_of(name, photos, options):
     pages = [page_at(_LENS, _SHARE, turns, _CELLS, PAGES[name]) for turns in poses(photos)]
     row = {"page": name, "page_share": 1.0, **measure(
         _LENS, found_points(_LENS, pages, "dots", options.exact), options.neurons)}
-    row |= {"sag_true_percent": 100 * max(map(_sag, pages)),
+    row |= {"sag_true_percent": _sag(pages),
             "named": any(map(_NAMED.search, row["warnings"]))}
     row["bent_max_px"] = row["reported_max_px"] + row["sag_true_percent"] * row["per_sag_px"]
     return row | {"fails": _fails(row)}
 
 
-def _sag(page):
-    """Largest difference of height, without a plane, of the dots that a photo shows, in parts of
-    the length that it shows."""
-    if page.bend is None:
+def _sag(pages):
+    """Largest difference of height of the dots that a photo shows, above the plane that touches the
+    page in the middle of them, in percent of the longest row or column that is seen."""
+    if pages[0].bend is None:
         return 0.0
-    index, outline, inside = seen(_LENS, page)
-    index = index[whole(_LENS, page, index, centroid(outline), inside)]
-    height = page.bend.bent(index - page.middle)[1]
-    plane = np.column_stack([index, np.ones(len(index))])
-    rest = height - plane @ np.linalg.lstsq(plane, height, rcond=None)[0]
-    return float(np.ptp(rest) / np.ptp(index, axis=0).max())
+    most, length, steps = 0.0, 0, np.array([[0, 0], [1, 0], [-1, 0], [0, 1], [0, -1]])
+    for page in pages:
+        index, outline, inside = seen(_LENS, page)
+        index = index[whole(_LENS, page, index, centroid(outline), inside)]
+        middle = (index.min(axis=0) + index.max(axis=0)) / 2
+        height, near = (page.bend.bent(points - page.middle)[1]
+                        for points in (index, middle + steps))
+        slope = (near[1] - near[2]) / 2, (near[3] - near[4]) / 2
+        most = max(most, float(np.ptp(height - (index - middle) @ slope)))
+        length = max(length, int(np.ptp(index, axis=0).max()))
+    return 100 * most / length
 
 
 def _fails(row):
