@@ -71,6 +71,10 @@ def test_the_report_says_no_less_than_there_is(capsys, name):
     assert code == 0 and row["relief_px"] == 0
     assert row["reported_max_px"] >= row["true_max_px"] > row["true_rms_px"] > 0.02
     assert row["reported_rms_px"] == pytest.approx(row["true_rms_px"], rel=0.25)
+    assert (row["target"], row["photos"], row["page_share"], row["tilt_true_deg"]) == (
+        "dots", 1, 1.0, 0.0)
+    assert row["tilt_deg"] <= 3 * row["tilt_error_deg"]
+    assert row["warned"] == bool(row["warnings"]) == (name == "bumps")
 
 
 def test_a_map_that_is_off_by_a_known_bump_is_measured_as_that(monkeypatch):

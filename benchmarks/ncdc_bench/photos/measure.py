@@ -10,7 +10,7 @@ from ncdc_model.calibration.detect import detect_points
 from ncdc_model.calibration.judged import judged
 from ncdc_spec.errors import InputError
 
-__all__ = ["Outcome", "judge", "try_case"]
+__all__ = ["Outcome", "judge", "renumbered", "try_case"]
 
 FALSE = 1.0            # pixels from the truth
 ENOUGH = 0.5           # of the visible points that must be found for a photo to count as used
@@ -116,7 +116,7 @@ def judge(photo, points):
         close = near <= FALSE
         if close.sum() < 3:
             continue
-        index = _renumbered(points.index, truth.index[which], close)
+        index = renumbered(points.index, truth.index[which], close)
         position = {tuple(key): xy for key, xy in zip(truth.index.tolist(), truth.xy)}
         off = np.array([np.linalg.norm(position[tuple(key)] - xy) if tuple(key) in position
                         else np.inf for key, xy in zip(index.tolist(), points.xy)])
@@ -131,7 +131,7 @@ def judge(photo, points):
     return best
 
 
-def _renumbered(index, true, close):
+def renumbered(index, true, close):
     """``index`` turned, mirrored and shifted so that most points have the ``true`` one."""
     best, count = index, -1
     turns = [np.array([[a, 0], [0, b]]) for a in (1, -1) for b in (1, -1)]

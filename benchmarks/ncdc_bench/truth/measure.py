@@ -1,23 +1,28 @@
 """Calibration and training on a photographed page, compared with the true lens."""
 
 import tempfile
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
 from scipy.optimize import least_squares
 
 from ncdc_bench.photos.measure import judge
+from ncdc_bench.truth.boards import BOARDS, Board, board_of, photograph_board
 from ncdc_bench.truth.lenses import SIZE
 from ncdc_bench.truth.render import POSES, Page, photograph
+from ncdc_bench.truth.synthetic import points_of
+from ncdc_bench.truth.true_flaws import tilt_figures
 from ncdc_model.calibration.detect import detect_points
+from ncdc_model.calibration.judged import judged
 from ncdc_model.evaluate import fixed_map
 from ncdc_model.mask_border import border_mask
 from ncdc_model.training.choices import TrainingChoices
 from ncdc_model.training.pipeline import train_camera
 from ncdc_model.training.source import load_source
 
-__all__ = ["Dots", "detect", "measure", "page_of", "true_errors"]
+__all__ = ["Dots", "detect", "found_points", "measure", "page_in_front", "page_of",
+           "true_errors"]
 
 _COLUMNS = 40          # dots across the picture's width
 _FILLED = 64, 48       # dots of a page that goes on beyond the picture
@@ -44,6 +49,14 @@ def page_of(lens, number):
     return Page(28, 20, 14 / np.tan(edge), POSES[number])
 
 
+def page_in_front(lens, target, number):
+    """The :class:`Page` of dots, or of the corners of a board, that fills photo ``number``."""
+    if target == "dots":
+        return page_of(lens, number)
+    board = board_of(lens, target, number)
+    return Page(board.columns, board.rows, board.distance, board.turns)
+
+
 def detect(lens, photos, seed=0):
     """(:class:`TargetPoints`, a :class:`Dots` per photo) of so many ``photos`` of the page."""
     shots = [photograph(lens, page_of(lens, k), seed + k) for k in range(photos)]
@@ -58,21 +71,54 @@ def detect(lens, photos, seed=0):
     return points, dots
 
 
+def found_points(lens, pages, target, exact, seed=0):
+    """:class:`TargetPoints` of photos of ``pages`` of a ``target`` through ``lens``.
+
+    ``exact``: the true points with noise instead of those that are detected on rendered photos.
+    """
+    if exact:
+        return points_of(lens, pages, target, seed=seed)
+    if target == "dots":
+        shots = [photograph(lens, page, seed + k) for k, page in enumerate(pages)]
+    else:
+        shots = [photograph_board(lens, Board(target, page.columns, page.rows, page.distance,
+                                              page.turns), seed + k)
+                 for k, page in enumerate(pages)]
+        target = "{}:{}x{}".format(target, *BOARDS[target])
+    return detect_points([(f"{k}.png", shot.image) for k, shot in enumerate(shots)], target)
+
+
 def measure(lens, points, neurons, choices=TrainingChoices()):
     """Row of the report: errors of the trained map as they are and as they are reported."""
+    points = points.rounded
+    _, frame, said = judged(points)
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "points.json"
-        points.save(path)
+        replace(points, fits=frame.fits if frame else ()).save(path)
         source = load_source(path, bayer="MONO")
     trained = train_camera(source, neurons, choices)
     rms, worst = true_errors(lens, trained.descriptor)
     report, beyond = trained.report, trained.report.get("beyond_points")
-    return {"lens": lens.name, "photos": len(points.photos), "hidden_neurons": neurons,
+    said = list(dict.fromkeys([*said, *report.get("warnings", ())]))
+    return {"lens": lens.name, "target": points.target, "photos": len(points.photos),
+            "hidden_neurons": neurons, **tilt_figures(lens, source.frame),
+            **_sag_figures(source.frame, report),
+            "warned": bool(said), "warnings": said,
             "relief_px": report["relief_rms_px"], "true_rms_px": rms, "true_max_px": worst,
             "reported_rms_px": report["map_error_fixed_px"]["mse"]**.5,
             "reported_max_px": report["map_error_fixed_px"]["max"],
             "reported_beyond_max_px": beyond["map_error_fixed_px"]["max"] if beyond else None,
+            "beyond_percent": report.get("beyond_points_percent"),
             "held_out_max_px": report["held_out"]["map_error_fixed_px"]["max"]}
+
+
+def _sag_figures(frame, report):
+    """``sag_percent`` of the page that was taken off the points, and ``sag_error_percent``; and
+    ``per_sag_px``, stated pixels by which each percent of sag moves the map at most."""
+    sag, error = frame.sag
+    stated = report.get("page_sag")
+    return {"sag_percent": 100 * sag, "sag_error_percent": 100 * error if error > 0 else None,
+            "per_sag_px": stated["max_px"] / stated["sag_percent"] if stated else 0.0}
 
 
 def true_errors(lens, descriptor, step=_STEP):

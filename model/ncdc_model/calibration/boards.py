@@ -14,28 +14,43 @@ from ncdc_model.calibration.points import PhotoPoints
 from ncdc_model.calibration.subpixel import refine
 from ncdc_spec.errors import InputError
 
-__all__ = ["board_of_size", "examined", "find_boards", "find_chessboard", "grey_picture"]
+__all__ = ["board_of_size", "examined", "find_boards", "find_chessboard", "grey_picture", "within"]
 
 _ENOUGH = 12           # corners of a part of a board
 _SCALE = 2.0           # pixels: blur at which OpenCV finds corners
 _LARGEST = 1 << 21     # pixels of a picture that OpenCV searches: it takes 200 bytes for each
+_GREY = 110            # of a raw frame's mean brightness
+_WHITE, _SAMPLED = 99, 7        # percentile that is white, and pixels between those counted
 _COPY = 1_500_000      # pixels of the copy that it searches of a larger one
 
 
-def find_boards(image, enough=0):
+def find_boards(image, lattices=None, margin=None):
     """All chessboards in the picture, PhotoPoints each, the one with most corners first.
 
-    i grows to the right and j downwards; the smallest of each is 0. ``enough``: corners of the
-    board that is looked for, if it is known: no further one is looked for.
+    i grows to the right and j downwards; the smallest of each is 0. ``lattices``: result of
+    :func:`ncdc_model.calibration.corners.find_corner_lattices` for the picture, if known.
+    ``margin``: parts of a square around its markers, if it has some; corners that cannot be found
+    within it are left out.
     """
     grey, boards = grey_picture(image), []
-    for board in find_corner_lattices(grey, enough=enough):
+    for board in find_corner_lattices(grey) if lattices is None else lattices:
+        index, xy = board.index, board.xy
+        if margin is not None:
+            index, xy = within(margin, grey, index, xy, board.scale)
         try:
-            boards.append(examined(image, grey, _without_outliers(image, board.index, board.xy)))
+            boards.append(examined(image, grey, _without_outliers(image, index, xy)))
         except InputError:
             pass
     boards = [board for board in boards if len(board.index) >= 9]
     return sorted(boards, key=lambda board: -len(board.index))
+
+
+def within(margin, grey, index, xy, scale):
+    """``index`` and ``xy`` (n, 2) of the corners that :func:`refine` finds by no more than the
+    ``margin`` around markers."""
+    moved = refine(grey, index, xy, scale, margin)
+    found = (moved != xy).any(axis=1)
+    return index[found], moved[found]
 
 
 def find_chessboard(image, columns, rows):
@@ -87,7 +102,8 @@ def grey_picture(image):
     if image.ndim == 3:
         return cv2.cvtColor(image, cv2.COLOR_RGB2GRAY)
     flat = flat_field(image)
-    flat *= 110
+    # White on a dark wall is over twice as bright as its surroundings: it must not be cut off.
+    flat *= min(_GREY, 255 / max(float(np.percentile(flat[::_SAMPLED, ::_SAMPLED], _WHITE)), 1))
     return np.clip(flat, 0, 255, out=flat).astype(np.uint8)
 
 

@@ -5,11 +5,10 @@ from dataclasses import replace
 import cv2
 import numpy as np
 
-from ncdc_model.calibration.boards import examined, find_boards, grey_picture
+from ncdc_model.calibration.boards import examined, find_boards, grey_picture, within
 from ncdc_model.calibration.outliers import without_outliers
 from ncdc_model.calibration.points import PhotoPoints
 from ncdc_model.calibration.sampling import sample
-from ncdc_model.calibration.subpixel import refine
 from ncdc_model.nearest import Nearest
 from ncdc_spec.errors import InputError
 
@@ -35,21 +34,22 @@ _SURE = 12, 0.2        # markers, and parts of the quadrangles: no other family 
 _NEAR_END = 0.8
 
 
-def find_charuco(image, columns, rows, boards=None):
+def find_charuco(image, columns, rows, lattices=None):
     """Inner corners of a board of ``columns`` x ``rows`` squares, as far as they are seen.
 
     The family of the markers and their size are read from the picture. OpenCV numbers corners by
     the markers next to them, so that part of a board has the numbers of the whole one. If some are
     missing, the corners are those of the lattice of squares, which must have the same numbers up to
-    a rotation.
+    a rotation. The picture is smoothed so little that no marker enters the surroundings of a
+    corner; a corner that cannot be found so is left out.
 
     Parameters
     ----------
     image : ndarray of uint8
     columns, rows : int
         Squares.
-    boards : callable, optional
-        Gives :func:`ncdc_model.calibration.boards.find_boards` of the picture, if known.
+    lattices : callable, optional
+        Gives :func:`ncdc_model.calibration.corners.find_corner_lattices` of the picture, if known.
 
     Raises
     ------
@@ -66,10 +66,13 @@ def find_charuco(image, columns, rows, boards=None):
     photo = None
     if found[0] is not None and len(found[0]):
         index = np.stack([found[1] % (columns - 1), found[1] // (columns - 1)], axis=1)
-        xy = refine(grey, index, (found[0] + 0.5) * part - 0.5, _SCALE * part)
-        size = columns - 1, rows - 1
-        photo = (_whole(image, grey, index, xy) if len(xy) == np.prod(size) else
-                 _numbered(image, index, xy, size, boards() if boards else find_boards(image)))
+        size, margin = (columns - 1, rows - 1), (1 - _marker_size(corners, ids)) / 2
+        index, xy = within(margin, grey, index, (found[0] + 0.5) * part - 0.5, _SCALE * part)
+        if len(xy) == np.prod(size):
+            photo = _whole(image, grey, index, xy)
+        elif len(xy):
+            boards = find_boards(image, lattices() if lattices else None, margin)
+            photo = _numbered(image, index, xy, size, boards)
     count = 0 if photo is None else len(photo.index)
     if count < _CORNERS:
         raise InputError(f"{count} corners of a ChArUco board of {columns}x{rows} squares were "

@@ -7,6 +7,7 @@ import numpy as np
 
 from ncdc_model.calibration.boards import find_boards, grey_picture
 from ncdc_model.calibration.charuco import find_any_charuco, find_charuco, has_markers
+from ncdc_model.calibration.corners import find_corner_lattices
 from ncdc_model.calibration.dots import dots_of, find_spots
 from ncdc_model.calibration.fiducials import other_board
 from ncdc_model.calibration.grids import corners_touch, read_grid
@@ -104,9 +105,14 @@ class DetectionResult:
             pass
 
     @cached_property
+    def lattices(self):
+        """Lattices of corners of squares."""
+        return find_corner_lattices(grey_picture(self.image), enough=self._enough)
+
+    @cached_property
     def boards(self):
         """Chessboards, PhotoPoints each."""
-        return find_boards(self.image, self._enough)
+        return find_boards(self.image, self.lattices)
 
     @cached_property
     def spots(self):
@@ -140,7 +146,7 @@ class DetectionResult:
     def charuco(self, columns, rows):
         """The ChArUco board as PhotoPoints."""
         if self._charuco is None:
-            self._charuco = find_charuco(self.image, columns, rows, lambda: self.boards)
+            self._charuco = find_charuco(self.image, columns, rows, lambda: self.lattices)
         return self._charuco
 
     def _recognise(self):

@@ -9,6 +9,8 @@ __all__ = ["edge_blur", "gaps", "refine"]
 
 _SCALE = 1.0, 2.0      # pixels: smallest and largest Gaussian that a corner is found at
 _PART = 0.09           # the same, in parts of the distance to the nearest corner
+_FINE = 0.5            # pixels: smallest Gaussian where a marker is near
+_OF_MARGIN = 0.2       # of the distance to the marker: largest Gaussian
 _TWICE = 2.0           # times that scale: the second one
 _APART = 0.5           # pixels between the positions at both: less means four equal squares
 _SHARP = 3.0           # pixels of blur: less is sharp
@@ -21,7 +23,7 @@ _RINGS = 0.35, 0.13    # of the distance to the nearest corner: radius at which 
 _SAMPLES = 96          # on the ring
 
 
-def refine(grey, index, xy, scale):
+def refine(grey, index, xy, scale, margin=None):
     """Saddle points of the brightness near first positions of corners.
 
     A corner looks the same after half a turn, however much it is blurred. So its position is the
@@ -37,6 +39,9 @@ def refine(grey, index, xy, scale):
         Column and row, and first positions.
     scale : float
         Blur in pixels at which the corners were found.
+    margin : float, optional
+        Parts of the distance between corners that the squares are plain around a corner: beyond
+        it lie markers, which must not enter the smoothed brightness. Default: they are all plain.
 
     Returns
     -------
@@ -45,16 +50,24 @@ def refine(grey, index, xy, scale):
     if len(xy) < 2:
         return xy
     near = gaps(index, xy)
-    sigma = np.clip(_PART * near, *_SCALE)
-    corner, light = _around(grey, xy, _TWICE * sigma.max())
+    if margin is None:
+        sigma, plain = np.clip(_PART * near, *_SCALE), near / 3
+        other = _TWICE * sigma
+    else:
+        # A marker would enter the second scale, if it were the larger one.
+        plain = margin * near
+        sigma = np.clip(_OF_MARGIN * plain, _FINE, _SCALE[1])
+        other = np.maximum(sigma / _TWICE, _FINE)
+    corner, light = _around(grey, xy, max(sigma.max(), other.max()))
     moved, found = _saddles(light, xy - corner, sigma)
-    again, still = _saddles(light, moved, _TWICE * sigma)
+    again, still = _saddles(light, moved, other)
     moved, again = moved + corner, again + corner
     # The four squares differ in a shadow or glare: use their edges, if they are sharp.
-    uneven = found & ~(still & (np.linalg.norm(again - moved, axis=1) < _APART))
+    apart = _APART * np.minimum(1, other / sigma)
+    uneven = found & ~(still & (np.linalg.norm(again - moved, axis=1) < apart))
     if uneven.any():
         uneven[uneven] = ~(edge_blur(grey, xy[uneven], near[uneven]) >= _SHARP)
-        moved[uneven] = _by_edges(grey, xy[uneven], near[uneven])
+        moved[uneven] = _by_edges(grey, xy[uneven], plain[uneven])
     good = found & (np.linalg.norm(moved - xy, axis=1) <= 1 + scale)
     return np.where(good[:, None], moved, xy)
 
@@ -70,15 +83,19 @@ def _around(grey, xy, scale):
                                        left:max(right, left + 1)].astype(np.float32)
 
 
-def _by_edges(grey, xy, near):
-    """Positions (n, 2) of the corners by OpenCV's ``cornerSubPix``, which uses the edges."""
+def _by_edges(grey, xy, plain):
+    """Positions (n, 2) of the corners by OpenCV's ``cornerSubPix``, which uses the edges.
+
+    ``plain``: pixels (n,) to either side that hold nothing else.
+    """
     moved, limit = xy.astype(np.float64).copy(), np.array(grey.shape[::-1])
-    half = int(np.clip(near.min() / 3, 2, _HALF)) if len(near) else 2
-    inside = ((xy > half + 1) & (xy < limit - half - 2)).all(axis=1)
-    if inside.any():
-        corners = xy[inside].astype(np.float32).reshape(-1, 1, 2).copy()
-        moved[inside] = cv2.cornerSubPix(grey, corners, (half, half), (-1, -1),
-                                         _STOP).reshape(-1, 2)
+    halves = np.clip(plain, 2, _HALF).astype(int)
+    for half in np.unique(halves):
+        inside = (halves == half) & ((xy > half + 1) & (xy < limit - half - 2)).all(axis=1)
+        if inside.any():
+            corners = xy[inside].astype(np.float32).reshape(-1, 1, 2).copy()
+            moved[inside] = cv2.cornerSubPix(grey, corners, (int(half), int(half)), (-1, -1),
+                                             _STOP).reshape(-1, 2)
     return moved
 
 
@@ -89,7 +106,7 @@ def _saddles(light, xy, sigma):
     fit = np.linalg.pinv(np.stack([np.ones(9), i, j, i * i, i * j, j * j], axis=1))
     position, found = xy.astype(np.float64).copy(), np.ones(len(xy), bool)
     # Quarter steps of the scale limit the number of smoothed pictures.
-    level = np.maximum(np.rint(4 * sigma), 4) / 4
+    level = np.rint(4 * sigma) / 4
     for scale in np.unique(level):
         on = level == scale
         smooth, at = cv2.GaussianBlur(light, (0, 0), scale), position[on]
