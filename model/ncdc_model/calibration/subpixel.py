@@ -23,7 +23,7 @@ _RINGS = 0.35, 0.13    # of the distance to the nearest corner: radius at which 
 _SAMPLES = 96          # on the ring
 
 
-def refine(grey, index, xy, scale, margin=None):
+def refine(grey, index, xy, scale, plain=None):
     """Saddle points of the brightness near first positions of corners.
 
     A corner looks the same after half a turn, however much it is blurred. So its position is the
@@ -39,9 +39,9 @@ def refine(grey, index, xy, scale, margin=None):
         Column and row, and first positions.
     scale : float
         Blur in pixels at which the corners were found.
-    margin : float, optional
-        Parts of the distance between corners that the squares are plain around a corner: beyond
-        it lie markers, which must not enter the smoothed brightness. Default: they are all plain.
+    plain : ndarray, shape (n,), optional
+        Pixels around each corner within which there is nothing but its squares: a marker beyond
+        must not enter the smoothed brightness. Default: the squares are plain.
 
     Returns
     -------
@@ -49,13 +49,13 @@ def refine(grey, index, xy, scale, margin=None):
     """
     if len(xy) < 2:
         return xy
-    near = gaps(index, xy)
-    if margin is None:
+    if plain is None:
+        near = gaps(index, xy)
         sigma, plain = np.clip(_PART * near, *_SCALE), near / 3
         other = _TWICE * sigma
     else:
         # A marker would enter the second scale, if it were the larger one.
-        plain = margin * near
+        near = 3 * plain
         sigma = np.clip(_OF_MARGIN * plain, _FINE, _SCALE[1])
         other = np.maximum(sigma / _TWICE, _FINE)
     corner, light = _around(grey, xy, max(sigma.max(), other.max()))
