@@ -78,7 +78,7 @@ def roll(frame):
 
     A row of the target may be a column of the picture: the result lies in -45..45.
     """
-    i, j = frame.index[frame.photo == 0].mean(axis=0)
+    i, j = frame.on_target[frame.photo == 0].mean(axis=0)
     ends = np.array([[i - .5, j, 1], [i + .5, j, 1]]) @ frame.homographies[0].T
     along = np.subtract(*(ends[:, :2] / ends[:, 2:])[::-1])
     return float((np.degrees(np.arctan2(along[1], along[0])) + 45) % 90 - 45)

@@ -42,8 +42,9 @@ def add_arguments(parser) -> None:
     parser.add_argument("--target", default="auto", metavar="KIND",
                         help="dots (a page of black dots that fills the picture), circles:CxR, "
                              "acircles:CxR (staggered: circles in a line, lines), "
-                             "chessboard:CxR (inner corners), charuco:CxR (squares), or auto "
-                             "(default)")
+                             "chessboard:CxR (inner corners), charuco:CxR (squares), "
+                             "aprilgrid:CxR (Kalibr's: tags; :0.3 after them states their gap in "
+                             "sides of a tag), or auto (default)")
     parser.add_argument("-o", "--output", default="points.json", metavar="FILE",
                         help="points file (default: points.json); each photo with its points "
                              "drawn over it goes next to it, as points.overlay.png")
@@ -118,7 +119,7 @@ def _report(points, frame):
                         "reason": Dropped.GROSS.value})
     return {
         "target": points.target, "target_chosen": points.choice, "columns": points.columns,
-        "rows": points.rows, "points_found": points.count,
+        "rows": points.rows, "tag_spacing": points.spacing, "points_found": points.count,
         "points_cut": points.count - points.whole, "points_rejected": sum(rejected.values()),
         "points_rejected_by_reason": rejected, "points_dropped": dropped,
         "agreement_px": {photo.name: photo.agreement for photo in points.photos},
@@ -134,6 +135,8 @@ def _parts(points):
     columns, rows = points.target_size or (points.columns, points.rows)
     if points.target == "charuco":
         columns, rows = columns - 1, rows - 1
+    if points.target == "aprilgrid":
+        columns, rows = 2 * columns, 2 * rows
     whole, parts = columns * rows, {}
     for photo in points.photos:
         if len(photo.index) < whole:
@@ -149,6 +152,8 @@ def _print(report, photos, measured):
           f"{report['rows']} rows) in {report['photos_used']} of {photos} photos")
     if report["target_chosen"]:
         print(f"  target: {report['target_chosen']}; --target names another one")
+    if report["tag_spacing"] is not None:
+        print(f"  gap between tags: {report['tag_spacing']:.4f} of a tag's side")
     if report["points_cut"]:
         print(f"  {report['points_cut']} of them are cut by the border: numbered, not used")
     for reason, count in report["points_rejected_by_reason"].items():

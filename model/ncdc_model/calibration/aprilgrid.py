@@ -117,7 +117,7 @@ def _spacing_near(index, xy):
     it is exact without distortion."""
     number_of = {tuple(key): k for k, key in enumerate(index.tolist())}
     ratios = []
-    for (i, j), k in number_of.items():
+    for i, j in number_of:
         for step in ((1, 0), (0, 1)):
             line = [number_of.get((i + n * step[0], j + n * step[1])) for n in range(4)]
             if (i, j)[step.index(1)] % 2 == 0 and None not in line:

@@ -5,6 +5,7 @@ from functools import cached_property
 
 import numpy as np
 
+from ncdc_model.calibration.aprilgrid import find_any_aprilgrid, find_aprilgrid
 from ncdc_model.calibration.boards import find_boards, grey_picture
 from ncdc_model.calibration.charuco import find_any_charuco, find_charuco, has_markers
 from ncdc_model.calibration.corners import find_corner_lattices
@@ -48,12 +49,16 @@ class DetectionResult:
         only one of many photos is in memory.
     size : (int, int)
         Columns and rows of the target that is looked for; None each if they are not known.
+    spacing : float, optional
+        Gap between the tags of an AprilGrid, in sides of a tag; set to the measured one when the
+        photo is searched.
     """
 
-    def __init__(self, name, image, size=(None, None)):
+    def __init__(self, name, image, size=(None, None), spacing=None):
         self.name, self._image = name, None if callable(image) else image
         self._columns, self._rows = size
-        self._charuco, self._enough = None, 0
+        self._charuco, self._aprilgrid, self._enough = None, None, 0
+        self.spacing = spacing
         self._read = image if callable(image) else None
         self.target, self.doubt = None, ""
         self.size = self.image.shape[1::-1]
@@ -93,6 +98,11 @@ class DetectionResult:
             self.boards
         elif kind == "charuco":
             self._prepare_charuco()
+        elif kind == "aprilgrid" and self._columns is not None:
+            try:
+                self.aprilgrid(self._columns, self._rows)
+            except InputError:
+                pass
         self.release()
 
     def _prepare_charuco(self):
@@ -148,6 +158,12 @@ class DetectionResult:
         if self._charuco is None:
             self._charuco = find_charuco(self.image, columns, rows, lambda: self.lattices)
         return self._charuco
+
+    def aprilgrid(self, columns, rows):
+        """The AprilGrid as PhotoPoints."""
+        if self._aprilgrid is None:
+            self._aprilgrid, self.spacing = find_aprilgrid(self.image, columns, rows, self.spacing)
+        return self._aprilgrid
 
     def _recognise(self):
         many = self.spots.lattices and len(self.spots.lattices[0].index) >= _BOARD_LIKE

@@ -289,7 +289,7 @@ class TargetPoints:
 
 
 def april_places(index, spacing):
-    """Places (n, 2) of an AprilGrid's corners, two columns and two rows a tag, in sides of a tag."""
+    """Places (n, 2) of an AprilGrid's corners, two columns and rows a tag, in sides of a tag."""
     return index // 2 * (1 + spacing) + index % 2
 
 

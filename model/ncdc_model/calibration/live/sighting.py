@@ -96,5 +96,5 @@ def sighting_of(image, target):
             edge_blur(grey, photo.xy, gaps(photo.index, photo.xy)))
     usual = float(np.nanmedian(blur)) if np.isfinite(blur).any() else np.nan
     size = "" if points.target_size is None else "{}x{}".format(*points.target_size)
-    return Sighting(f"{points.target}:{size}".rstrip(":"), photo.index * (1.0, points.aspect),
+    return Sighting(f"{points.target}:{size}".rstrip(":"), points.places(photo.index),
                     (photo.xy + .5) * scale - .5, usual * float(np.mean(scale)))
