@@ -11,7 +11,7 @@ from ncdc_model.calibration.points import PhotoPoints, april_places
 from ncdc_model.calibration.predicted import completed, plain_pixels
 from ncdc_model.calibration.sampling import bilinear
 from ncdc_model.calibration.smooth import rough_lens
-from ncdc_model.calibration.subpixel import refine
+from ncdc_model.calibration.subpixel import by_edges, refine
 from ncdc_model.calibration.tags import april_family, find_tags
 from ncdc_spec.errors import InputError
 
@@ -24,8 +24,10 @@ _DIAGONAL = 0.7        # of the gap that is plain around a corner: the next one 
 _SEED = 3.0            # pixels that a detected tag's corner may be off in any case
 _ROUNDS = 3            # of measuring the spacing
 _STEP = 0.01           # of it: for the change of the corners
+_MORE = 3              # rows that OpenCV may have missed, looked for if the size is not known
 _DIGITS = 4            # of the measured spacing
 _EXPLAINED = 3.0       # pixels, median residual of the lens
+_SADDLES = 0.5         # of the detected tags' corners
 _ALIKE = 0.6           # correlation of a tag's cells with its code: a covered one has less
 _CELL = 1.5            # pixels of a cell: smaller ones are not compared
 _FOREIGN = "a marker whose number does not fit its place"
@@ -106,9 +108,14 @@ def _seeds(grey, tags, rows, border):
     xy = tags.corners.reshape(-1, 2)
     side = np.linalg.norm(tags.corners - np.roll(tags.corners, 1, axis=1), axis=2).min(axis=1)
     plain = np.repeat(side, 4) * min(border, _DIAGONAL * _spacing_near(index, xy))
-    moved = refine(grey, index, xy, np.clip(plain, _SEED, None).max(), plain)
-    found = (moved != xy).any(axis=1) & (np.linalg.norm(moved - xy, axis=1)
-                                         < np.maximum(plain, _SEED))
+    # OpenCV cuts tags off where they touch the squares: the edges lead to the corners.
+    near = by_edges(grey, xy, plain)
+    moved = refine(grey, index, near, np.clip(plain, _SEED, None).max(), plain)
+    found = (moved != near).any(axis=1) & (np.linalg.norm(moved - xy, axis=1)
+                                           < np.maximum(plain, _SEED))
+    if found.sum() < _SADDLES * len(found):
+        raise InputError("most corners of its tags have no black square, as those of an AprilGrid "
+                         "have")
     return index[found], moved[found]
 
 
@@ -208,7 +215,7 @@ def _by_code(grey, photo, tags, size, places):
 
 def find_any_aprilgrid(image):
     """Columns and rows of tags of a board whose size is not known: the rows are those up to the
-    highest number that is seen.
+    highest number that is seen, whether OpenCV finds that tag or the lens leads to it.
 
     Raises
     ------
@@ -218,4 +225,7 @@ def find_any_aprilgrid(image):
     tags = find_tags(grey_picture(image))
     if tags is None or tags.columns is None:
         raise InputError("no AprilGrid was found")
-    return tags.columns, int(tags.ids.max()) // tags.columns + 1
+    columns, rows = tags.columns, int(tags.ids.max()) // tags.columns + 1 + _MORE
+    photo, _ = find_aprilgrid(image, columns, rows)
+    row = photo.index[:, 1] // 2
+    return columns, rows - int(row.min()) if tags.upwards else int(row.max()) + 1

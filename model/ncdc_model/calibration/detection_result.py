@@ -177,10 +177,11 @@ class DetectionResult:
             if target is not None:
                 return target
         if board is None or not whole or has_markers(self.image, board):
-            try:
-                return TargetKind("charuco", *find_any_charuco(self.image))
-            except InputError:
-                pass
+            for kind, find in (("aprilgrid", find_any_aprilgrid), ("charuco", find_any_charuco)):
+                try:
+                    return TargetKind(kind, *find(self.image))
+                except InputError:
+                    pass
         # Dots out of focus look like squares that stand on their corners, on a ragged lattice.
         if board is not None and _filled(board) > _BOARD_FILLED and min(span) >= 3:
             return TargetKind("chessboard", int(max(span)), int(min(span)))
@@ -188,7 +189,7 @@ class DetectionResult:
         board = other_board(grey_picture(self.image))
         raise InputError(
             board or "neither a whole grid of circles, a page of at least "
-            f"{MIN_DOTS} dots, a chessboard nor a ChArUco board was found"
+            f"{MIN_DOTS} dots, a chessboard, a ChArUco board nor an AprilGrid was found"
             + (f"; of what looks like dots, {doubt}" if doubt else ""))
 
     def _part(self):
@@ -206,7 +207,7 @@ class DetectionResult:
 
     def _round(self):
         """The grid of circles or page of dots that the photo shows, or None."""
-        if not self.spots.lattices:
+        if not self.spots.lattices or self.spots.square:
             return None
         lattice = self.spots.lattices[0]
         grid = read_grid(self.size, lattice)

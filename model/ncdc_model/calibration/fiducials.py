@@ -33,12 +33,14 @@ def other_board(grey, kind=None):
                 f"columns and rows of markers, finds it")
     if kind in ("charuco", "aprilgrid"):
         return ""
+    # Only of a target that was not named a ChArUco board has been looked for.
+    without = "" if kind else " but no ChArUco board between them"
     counts = {family: _count(grey, family, 1) for family in _FAMILIES}
     family = max(counts, key=counts.get)
     if counts[family] < _ENOUGH:
         return ""
-    return (f"it shows {counts[family]} markers of the family {family.removeprefix('DICT_')} but "
-            f"no ChArUco board between them: no other board of markers is supported")
+    return (f"it shows {counts[family]} markers of the family {family.removeprefix('DICT_')}"
+            f"{without}: of boards of markers, charuco:CxR and aprilgrid:CxR are supported")
 
 
 def _count(grey, family, border):

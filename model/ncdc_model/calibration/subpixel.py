@@ -5,7 +5,7 @@ import numpy as np
 
 from ncdc_model.calibration.sampling import bilinear
 
-__all__ = ["edge_blur", "gaps", "refine"]
+__all__ = ["by_edges", "edge_blur", "gaps", "refine"]
 
 _SCALE = 1.0, 2.0      # pixels: smallest and largest Gaussian that a corner is found at
 _PART = 0.09           # the same, in parts of the distance to the nearest corner
@@ -67,7 +67,7 @@ def refine(grey, index, xy, scale, plain=None):
     uneven = found & ~(still & (np.linalg.norm(again - moved, axis=1) < apart))
     if uneven.any():
         uneven[uneven] = ~(edge_blur(grey, xy[uneven], near[uneven]) >= _SHARP)
-        moved[uneven] = _by_edges(grey, xy[uneven], plain[uneven])
+        moved[uneven] = by_edges(grey, xy[uneven], plain[uneven])
     good = found & (np.linalg.norm(moved - xy, axis=1) <= 1 + scale)
     return np.where(good[:, None], moved, xy)
 
@@ -83,7 +83,7 @@ def _around(grey, xy, scale):
                                        left:max(right, left + 1)].astype(np.float32)
 
 
-def _by_edges(grey, xy, plain):
+def by_edges(grey, xy, plain):
     """Positions (n, 2) of the corners by OpenCV's ``cornerSubPix``, which uses the edges.
 
     ``plain``: pixels (n,) to either side that hold nothing else.
