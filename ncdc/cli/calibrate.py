@@ -120,7 +120,9 @@ def _report(points, frame):
     return {
         "target": points.target, "target_chosen": points.choice, "columns": points.columns,
         "rows": points.rows, "tag_spacing": points.spacing, "points_found": points.count,
-        "points_cut": points.count - points.whole, "points_rejected": sum(rejected.values()),
+        "points_cut": points.count - points.whole,
+        "points_outside_frame": 0 if frame is None else frame.rejected.get(Dropped.OUTSIDE, 0),
+        "points_rejected": sum(rejected.values()),
         "points_rejected_by_reason": rejected, "points_dropped": dropped,
         "agreement_px": {photo.name: photo.agreement for photo in points.photos},
         "photos_used": len(points.photos), "photos_rejected": points.rejected_photos,
@@ -154,6 +156,9 @@ def _print(report, photos, measured):
         print(f"  target: {report['target_chosen']}; --target names another one")
     if report["tag_spacing"] is not None:
         print(f"  gap between tags: {report['tag_spacing']:.4f} of a tag's side")
+    if report["points_outside_frame"]:
+        print(f"  {report['points_outside_frame']} of them lie outside the flat picture of the "
+              f"default zoom: the lens is fitted to them too, and a square marks them")
     if report["points_cut"]:
         print(f"  {report['points_cut']} of them are cut by the border: numbered, not used")
     for reason, count in report["points_rejected_by_reason"].items():

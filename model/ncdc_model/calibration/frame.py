@@ -120,7 +120,8 @@ def ideal_frame(points, size=None, zoom="fit"):
                       corrected=corrected, distorted=distorted, index=used,
                       on_target=used if points.spacing is None else points.places(used),
                       photo=photo, rms=float(np.sqrt(np.mean(distance**2))), rejected=rejected,
-                      along=along, relief=shift, degrees=tuple(part.degree for part in fitted.relief),
+                      along=along, relief=shift,
+                      degrees=tuple(part.degree for part in fitted.relief),
                       names=tuple(photo.name for photo in photos), numbers=tuple(numbers),
                       gross=gross, fits=tuple(Fit(one.vector, one.prior, one.flawed)
                                               for one in fitted.fits))

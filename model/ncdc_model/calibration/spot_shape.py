@@ -17,9 +17,10 @@ _WINDOW = 1.7          # times the side of a square of the spot's area: width of
 def are_square(picture, spots):
     """Whether the dark ``spots``, PhotoPoints with areas, are squares, seen from anywhere.
 
-    Each spot is sampled in its own cell of the lattice, or the middle of it if it is small. It is moved, turned and stretched until its
-    second moments are those of a round one. Then a disc has the fourth moment
-    |mean((x + i y)^4)| = 0, and a square 2.4: perspective and lens change little of that.
+    Each spot is sampled in its own cell of the lattice, or the middle of it if it is small. It is
+    moved, turned and stretched until its second moments are those of a round one. Then a disc has
+    the fourth moment |mean((x + i y)^4)| = 0, and a square 2.4: perspective and lens change little
+    of that.
 
     Parameters
     ----------
@@ -49,8 +50,8 @@ def are_square(picture, spots):
 
 
 def _fourth_moment(values, cell):
-    """|mean((x + i y)^4)| of what is darker than half in ``values`` (n,) at ``cell`` (n, 2), whitened;
-    not-a-number without a spot."""
+    """|mean((x + i y)^4)| of what is darker than half in ``values`` (n,) at ``cell`` (n, 2),
+    whitened; not-a-number without a spot."""
     low, high = np.percentile(values, (5, 95))
     spot = cell[values < (low + high) / 2]
     if len(spot) < 12:

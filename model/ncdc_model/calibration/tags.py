@@ -102,8 +102,8 @@ def _arranged(ids, corners, border):
 
 
 def _adjacent(corners):
-    """(a, b, way) of tags next to each other: ``b`` lies to the right of ``a`` (0), below it (1), to
-    the left (2) or above it (3), as OpenCV's picture of the tag ``a`` stands."""
+    """(a, b, way) of tags next to each other: ``b`` lies to the right of ``a`` (0), below it (1),
+    to the left (2) or above it (3), as OpenCV's picture of the tag ``a`` stands."""
     middle = corners.mean(axis=1)
     across = (corners[:, 1] + corners[:, 2] - corners[:, 0] - corners[:, 3]) / 2
     down = (corners[:, 2] + corners[:, 3] - corners[:, 0] - corners[:, 1]) / 2
