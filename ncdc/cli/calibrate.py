@@ -126,7 +126,7 @@ def _report(points, frame):
         "points_rejected_by_reason": rejected, "points_dropped": dropped,
         "agreement_px": {photo.name: photo.agreement for photo in points.photos},
         "photos_used": len(points.photos), "photos_rejected": points.rejected_photos,
-        "photos_in_part": _parts(points),
+        "photos_in_part": _parts(points), "lateral_colour": points.colour,
         "remarks": [f"{photo.name}: {text}" for photo in points.photos for text in photo.remarks]}
 
 
@@ -171,6 +171,8 @@ def _print(report, photos, measured):
               f"all")
     for name, part in report["photos_in_part"].items():
         print(f"  {name}: {part}")
+    if report["lateral_colour"]:
+        print("  " + _colour_text(report["lateral_colour"]))
     for remark in report["remarks"]:
         print(f"  {remark}")
     worst = max(report["agreement_px"], key=lambda name: report["agreement_px"][name])
@@ -180,6 +182,14 @@ def _print(report, photos, measured):
         print(straightness_text(measured, "points that the lens was not fitted to"))
     first, *others = report["overlays"]
     print(f"{report['points']}; look at {first}" + (" and the others" if others else ""))
+
+
+def _colour_text(colour):
+    """One sentence on the lateral colour of raw frames."""
+    return (f"raw frames, filter as {colour['pattern']} (by {colour['pattern_from']}): the points "
+            f"are those of green; in the picture's corner red lies {colour['red_px']:+.2f} +- "
+            f"{colour['red_error_px']:.2f} px farther out, blue {colour['blue_px']:+.2f} +- "
+            f"{colour['blue_error_px']:.2f} px")
 
 
 class _Photos:
@@ -200,18 +210,18 @@ class _Photos:
 
     def backdrop(self, name):
         """The :class:`Backdrop` of a photo that was read before."""
-        return self._backdrops.get(name) or Backdrop.of(self._read(name))
+        return self._backdrops.get(name) or Backdrop.of(self._read(name).image)
 
     def _read(self, name):
         if self._single is not None:
             return self._single
-        image = read_photo(name, self._args.raw, self._args.bits, self._warn).image
+        photo = read_photo(name, self._args.raw, self._args.bits, self._warn)
         if len(self._args.photos) == 1:
-            self._single = image
+            self._single = photo
         if name not in self._backdrops and self._free > 0:
-            self._backdrops[name] = Backdrop.of(image)
+            self._backdrops[name] = Backdrop.of(photo.image)
             self._free -= self._backdrops[name].picture.nbytes
-        return image
+        return photo
 
 
 def _once():

@@ -10,6 +10,7 @@ from ncdc_model.calibration.aprilgrid import SPACINGS
 from ncdc_model.calibration.boards import board_of_size, grey_picture
 from ncdc_model.calibration.detection_result import MIN_DOTS, DetectionResult
 from ncdc_model.calibration.fiducials import other_board
+from ncdc_model.calibration.green_sites import by_green
 from ncdc_model.calibration.grids import grid_of_size
 from ncdc_model.calibration.points import TARGETS, TargetPoints
 from ncdc_model.calibration.smooth import MIN_POINTS, misfit
@@ -68,12 +69,12 @@ def stated_spacing(text):
 
 
 def detect_points(images, target="auto"):
-    """Points of the target on every one of ``images``, pairs (name, uint8 image).
+    """Points of the target on every one of ``images``, pairs (name, uint8 image or Photo).
 
-    ``images`` may be an iterator. An image may be a function that returns it, which is called
-    again when needed, so that only one photo is in memory. ``auto`` takes the kind and size of
-    target that most photos show; a part counts as the whole target, and the part is used. A photo
-    is rejected with its reason if it
+    ``images`` may be an iterator. The points of a raw frame are those of its green sites. An image
+    may be a function that returns it, which is called again when needed, so that only one photo is
+    in memory. ``auto`` takes the kind and size of target that most photos show; a part counts as
+    the whole target, and the part is used. A photo is rejected with its reason if it
 
     - does not show the target,
     - has another size in pixels than most,
@@ -91,12 +92,26 @@ def detect_points(images, target="auto"):
     if kind == "auto":
         kind, columns, rows, choice = _agreed(results, rejected)
     size = _common_size(results, rejected)
-    photos = []
+    photos, used = _photos_of(results, rejected, (kind, columns, rows))
+    if not photos:
+        reasons = "; ".join(f"{name}: {reason}" for name, reason in rejected.items())
+        raise InputError(f"no photo shows the target ({reasons or 'no photo was given'})")
+    photos, colour = by_green(photos, used, lambda result: _found(result, kind, columns, rows))
+    return TargetPoints(target=kind, size=size, photos=tuple(photos), rejected_photos=rejected,
+                        aspect=_aspect(size, photos) if kind == "acircles" else 1.0, choice=choice,
+                        target_size=None if columns is None else (columns, rows), colour=colour,
+                        spacing=_spacing(used) if kind == "aprilgrid" else None)
+
+
+def _photos_of(results, rejected, target):
+    """PhotoPoints of the ``target``, (kind, columns, rows), of all usable photos, and the
+    :class:`DetectionResult` of each; why others are not is added to ``rejected``."""
+    photos, used = [], []
     for result in results:
         if result.name in rejected:
             continue
         try:
-            found = _found(result, kind, columns, rows)
+            found = _found(result, *target)
             duplicate = next((photo.name for photo in photos if _same(photo, found)), None)
             if duplicate:
                 raise InputError(f"it shows the same as {duplicate}: points within {_SAME} pixels "
@@ -107,13 +122,8 @@ def detect_points(images, target="auto"):
         finally:
             result.release()
         photos.append(replace(found, name=Path(result.name).name))
-    if not photos:
-        reasons = "; ".join(f"{name}: {reason}" for name, reason in rejected.items())
-        raise InputError(f"no photo shows the target ({reasons or 'no photo was given'})")
-    return TargetPoints(target=kind, size=size, photos=tuple(photos), rejected_photos=rejected,
-                        aspect=_aspect(size, photos) if kind == "acircles" else 1.0, choice=choice,
-                        target_size=None if columns is None else (columns, rows),
-                        spacing=_spacing(results, photos) if kind == "aprilgrid" else None)
+        used.append(result)
+    return photos, used
 
 
 def _results(images, kind, target_size, spacing=None):
@@ -230,8 +240,6 @@ def _aspect(size, photos):
         size, [(photo.index * (1.0, aspect), photo.xy) for photo in usable]))
 
 
-def _spacing(results, photos):
+def _spacing(used):
     """The spacing of an AprilGrid, the middle one of those that its used photos show."""
-    used = {photo.name for photo in photos}
-    return float(np.median([result.spacing for result in results
-                            if Path(result.name).name in used and result.spacing is not None]))
+    return float(np.median([result.spacing for result in used]))

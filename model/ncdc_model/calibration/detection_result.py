@@ -11,10 +11,13 @@ from ncdc_model.calibration.charuco import find_any_charuco, find_charuco, has_m
 from ncdc_model.calibration.corners import find_corner_lattices
 from ncdc_model.calibration.dots import dots_of, find_spots
 from ncdc_model.calibration.fiducials import other_board
+from ncdc_model.calibration.filters import green_picture, pattern_of
 from ncdc_model.calibration.grids import corners_touch, read_grid
 from ncdc_model.calibration.outliers import oblique
 from ncdc_model.calibration.smooth import misfit
+from ncdc_model.photo.photo import Photo
 from ncdc_spec.errors import InputError
+from ncdc_spec.geometry import MIN_SIZE, MONO
 
 __all__ = ["MIN_DOTS", "DetectionResult", "TargetKind"]
 
@@ -44,9 +47,10 @@ class DetectionResult:
     Parameters
     ----------
     name : str
-    image : ndarray of uint8, or a function without arguments that returns it
+    image : ndarray of uint8, a Photo, or a function without arguments that returns one of them
         :meth:`release` drops what the function returned, and it is called again when needed. So
-        only one of many photos is in memory.
+        only one of many photos is in memory. Targets are searched for on the green sites of a raw
+        frame, if its filter pattern is declared or seen.
     size : (int, int)
         Columns and rows of the target that is looked for; None each if they are not known.
     spacing : float, optional
@@ -58,20 +62,54 @@ class DetectionResult:
         self.name, self._image = name, None if callable(image) else image
         self._columns, self._rows = size
         self._charuco, self._aprilgrid, self._enough = None, None, 0
-        self.spacing = spacing
+        self.spacing = self._stated = spacing
+        self._green = None
         self._read = image if callable(image) else None
         self.target, self.doubt = None, ""
-        self.size = self.image.shape[1::-1]
+        self.pattern, self.pattern_from = None, ""
+        frame, declared = self._frame()
+        self.size = frame.shape[1::-1]
+        self.may_be_raw = frame.ndim == 2 and declared != MONO
+        if self.may_be_raw and min(self.size) >= MIN_SIZE:
+            self.pattern = declared or pattern_of(frame)
+            self.pattern_from = "the file" if declared else "its colour cast"
+        if self.pattern:
+            self._green = green_picture(frame, self.pattern)
+
+    def _frame(self):
+        """The photo, ndarray of uint8, and its declared filter pattern, ``MONO`` or None."""
+        if self._image is None:
+            self._image = self._read()
+        photo = self._image
+        if not isinstance(photo, Photo):
+            return photo, None
+        return photo.image, MONO if photo.lossy and photo.image.ndim == 2 else photo.bayer
+
+    @property
+    def frame(self):
+        """The photo as it is, ndarray of uint8."""
+        return self._frame()[0]
 
     @property
     def image(self):
-        """The photo, ndarray of uint8."""
-        if self._image is None:
-            self._image = self._read()
-        return self._image
+        """The picture that is searched, ndarray of uint8: the photo, or its green sites."""
+        if not self.pattern:
+            return self.frame
+        if self._green is None:
+            self._green = green_picture(self.frame, self.pattern)
+        return self._green
+
+    def with_filter(self, pattern):
+        """The photo as a raw frame with the filter ``pattern``, seen by its lateral colour; nothing
+        has been searched for."""
+        other = DetectionResult(self.name, self._read or self._image,
+                                (self._columns, self._rows), self._stated)
+        other.pattern, other.pattern_from = pattern, "its lateral colour"
+        return other
 
     def release(self):
         """Drop the photo, if it can be read again."""
+        self._green = None
         if self._read is not None:
             self._image = None
 

@@ -115,6 +115,9 @@ class TargetPoints:
         Distance of two rows over that of two columns on the target.
     spacing : float, optional
         Of an AprilGrid: gap between two tags in sides of a tag.
+    colour : dict, optional
+        Lateral colour of raw frames, see :mod:`ncdc_model.calibration.green_sites`. Not in the
+        file.
     choice : str
         The target found, and the number of photos with it, if none was named. Not in the file.
     target_size : (int, int), optional
@@ -142,6 +145,7 @@ class TargetPoints:
     page: str = ""
     fits: tuple = ()
     spacing: float | None = None
+    colour: dict | None = None
 
     def __post_init__(self):
         if self.page not in PAGES:
