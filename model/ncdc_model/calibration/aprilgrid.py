@@ -22,6 +22,7 @@ _CORNERS = 12
 _DATA = 6              # cells of a tag's code in a row
 _DIAGONAL = 0.7        # of the gap that is plain around a corner: the next one lies in a row
 _SEED = 3.0            # pixels that a detected tag's corner may be off in any case
+_BLUR = 1.0            # pixels, where a corner is looked for first
 _ROUNDS = 3            # of measuring the spacing
 _STEP = 0.01           # of it: for the change of the corners
 _MORE = 3              # rows that OpenCV may have missed, looked for if the size is not known
@@ -109,7 +110,8 @@ def _seeds(grey, tags, rows, border):
     side = np.linalg.norm(tags.corners - np.roll(tags.corners, 1, axis=1), axis=2).min(axis=1)
     plain = np.repeat(side, 4) * min(border, _DIAGONAL * _spacing_near(index, xy))
     # OpenCV cuts tags off where they touch the squares: the edges lead to the corners.
-    near = by_edges(grey, xy, plain)
+    # Smoothed, as the sites of a raw frame differ from one to the next.
+    near = by_edges(cv2.GaussianBlur(grey, (0, 0), _BLUR), xy, plain)
     moved = refine(grey, index, near, np.clip(plain, _SEED, None).max(), plain)
     found = (moved != near).any(axis=1) & (np.linalg.norm(moved - xy, axis=1)
                                            < np.maximum(plain, _SEED))
