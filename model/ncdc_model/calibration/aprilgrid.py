@@ -6,6 +6,7 @@ import cv2
 import numpy as np
 
 from ncdc_model.calibration.boards import examined, grey_picture
+from ncdc_model.calibration.corners import cornerlike
 from ncdc_model.calibration.outliers import without_outliers
 from ncdc_model.calibration.points import PhotoPoints, april_places
 from ncdc_model.calibration.predicted import completed, plain_pixels
@@ -23,6 +24,9 @@ _DATA = 6              # cells of a tag's code in a row
 _DIAGONAL = 0.7        # of the gap that is plain around a corner: the next one lies in a row
 _SEED = 3.0            # pixels that a detected tag's corner may be off in any case
 _BLUR = 1.0            # pixels, where a corner is looked for first
+_FARTHER = 0, 0.04, 0.08, 0.12, 0.16, 0.2      # parts of the way from a tag's middle to its corner
+_MOST = 0.8            # of the corners of detected tags: then no others are looked for outwards
+_RING = 0.8            # of what is plain: radius at which a corner's surroundings are compared
 _ROUNDS = 3            # of measuring the spacing
 _STEP = 0.01           # of it: for the change of the corners
 _MORE = 3              # rows that OpenCV may have missed, looked for if the size is not known
@@ -34,7 +38,7 @@ _CELL = 1.5            # pixels of a cell: smaller ones are not compared
 _FOREIGN = "a marker whose number does not fit its place"
 _COVERED = "of a tag whose cells are not those of its number"
 _WRONG = 0.25          # of the tags: with more whose cells are others the numbers are wrong
-_DIFFER = 0.03         # of a side: the spacing that is seen may differ by as much from a stated one
+_DIFFER = 0.005        # of a side: the spacing that is seen may differ by as much from a stated one
 
 
 def find_aprilgrid(image, columns, rows, spacing=None):
@@ -58,7 +62,7 @@ def find_aprilgrid(image, columns, rows, spacing=None):
     PhotoPoints
         Two columns and two rows of corners per tag, counted from the upper left one.
     float
-        The spacing.
+        The spacing, as stated or measured.
 
     Raises
     ------
@@ -72,17 +76,15 @@ def find_aprilgrid(image, columns, rows, spacing=None):
         raise InputError(f"no AprilGrid of {columns}x{rows} tags was found")
     _check_size(tags, columns, rows)
     border = tags.border / (_DATA + 2 * tags.border)
-    index, xy = _seeds(grey, tags, rows, border)
-    seen = _measured_spacing(grey.shape[::-1], index, xy)
-    if spacing is not None and abs(seen - spacing) > _DIFFER:
-        raise InputError(f"the gap between its tags is {seen:.3f} of a tag's side, {spacing:g} is "
-                         f"stated")
-    spacing = spacing or round(seen, _DIGITS)
+    index, xy = _seeds(grey, tags, (columns, rows), border)
+    size, every = grey.shape[::-1], _all_corners(columns, rows)
+    seen = _measured_spacing(size, index, xy)
+    plain = min(border, _DIAGONAL * seen)
+    index, xy = completed(grey, (index, xy), every, lambda key: april_places(key, seen), plain)
+    spacing = _agreed_spacing(spacing, _measured_spacing(size, index, xy))
 
     def places(key):
         return april_places(key, spacing)
-    plain = min(border, _DIAGONAL * spacing)
-    index, xy = completed(grey, (index, xy), _all_corners(columns, rows), places, plain)
     photo = _photo(image, index, xy, places, tags.foreign)
     photo = _by_code(grey, photo, tags, (columns, rows), places)
     if len(photo.index) < _CORNERS:
@@ -100,25 +102,42 @@ def _check_size(tags, columns, rows):
                          f"{columns}x{rows} has {columns * rows} from 0")
 
 
-def _seeds(grey, tags, rows, border):
+def _agreed_spacing(stated, seen):
+    """The stated spacing, if it is what is seen, or else that."""
+    if stated is not None and abs(seen - stated) > _DIFFER:
+        raise InputError(f"the gap between its tags is {seen:.4f} of a tag's side, {stated:g} is "
+                         f"stated: more than {_DIFFER:g} apart")
+    return stated or round(seen, _DIGITS)
+
+
+def _seeds(grey, tags, size, border):
     """Index (n, 2) and pixels (n, 2) of the corners of the detected tags."""
-    columns = tags.columns or int(tags.ids.max()) + 1
+    columns, rows = size
     row, column = np.divmod(tags.ids, columns)
     first = 2 * np.stack([column, rows - 1 - row if tags.upwards else row], axis=1)
     index = (first[:, None] + ((0, 0), (1, 0), (1, 1), (0, 1))).reshape(-1, 2)
-    xy = tags.corners.reshape(-1, 2)
+    xy = tags.corners.reshape(-1, 2).copy()
     side = np.linalg.norm(tags.corners - np.roll(tags.corners, 1, axis=1), axis=2).min(axis=1)
     plain = np.repeat(side, 4) * min(border, _DIAGONAL * _spacing_near(index, xy))
-    # OpenCV cuts tags off where they touch the squares: the edges lead to the corners.
-    # Smoothed, as the sites of a raw frame differ from one to the next.
-    near = by_edges(cv2.GaussianBlur(grey, (0, 0), _BLUR), xy, plain)
-    moved = refine(grey, index, near, np.clip(plain, _SEED, None).max(), plain)
-    found = (moved != near).any(axis=1) & (np.linalg.norm(moved - xy, axis=1)
-                                           < np.maximum(plain, _SEED))
+    smooth, middle = cv2.GaussianBlur(grey, (0, 0), _BLUR), tags.corners.mean(axis=1)
+    away = xy - np.repeat(middle, 4, axis=0)
+    found = np.zeros(len(xy), bool)
+    # OpenCV cuts tags off where they touch the squares, at times all around: go on outwards.
+    for farther in _FARTHER:
+        left = np.flatnonzero(~found)
+        near = by_edges(smooth, xy[left] + farther * away[left], plain[left])
+        moved = refine(grey, index[left], near, np.clip(plain[left], _SEED, None).max(),
+                       plain[left])
+        good = (moved != near).any(axis=1) & (np.linalg.norm(moved - near, axis=1)
+                                              < np.maximum(plain[left], _SEED))
+        good &= cornerlike(smooth, moved, _RING * plain[left])
+        xy[left[good]], found[left[good]] = moved[good], True
+        if found.sum() >= _MOST * len(found):
+            break
     if found.sum() < _SADDLES * len(found):
         raise InputError("most corners of its tags have no black square, as those of an AprilGrid "
                          "have")
-    return index[found], moved[found]
+    return index[found], xy[found]
 
 
 def _spacing_near(index, xy):

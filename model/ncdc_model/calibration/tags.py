@@ -11,6 +11,7 @@ __all__ = ["FAMILY", "Tags", "april_family", "find_tags"]
 FAMILY = "DICT_APRILTAG_36h11"
 _BORDERS = 2, 1        # cells of the black border: Kalibr's, and what AprilTag itself prints
 _COPY = 1600           # pixels of the longer side: of a larger photo a copy is searched
+_BLUR = 1.0            # pixels: the sites of a raw frame differ from one to the next
 _LARGE = 30            # pixels: where tags are that large none is missed
 _ENOUGH = 3            # tags whose numbers fit their places
 _NEAR = 1.02, 2.1      # sides of a tag from its middle to that of the next
@@ -74,7 +75,7 @@ def _detected(grey, border):
         corners, ids, _ = detector.detectMarkers(copy)
         if ids is not None and min(cv2.arcLength(c, True) / 4 for c in corners) >= _LARGE:
             return ids.ravel(), (np.reshape(corners, (-1, 4, 2)) + 0.5) * part - 0.5
-    corners, ids, _ = detector.detectMarkers(grey)
+    corners, ids, _ = detector.detectMarkers(cv2.GaussianBlur(grey, (0, 0), _BLUR))
     if ids is None:
         return np.empty(0, int), np.empty((0, 4, 2))
     return ids.ravel(), np.reshape(corners, (-1, 4, 2)).astype(np.float64)
