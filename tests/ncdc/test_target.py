@@ -14,7 +14,8 @@ from ncdc_model.calibration.detect import detect_points
 from vector_pages import painted, shapes
 
 KINDS = ["dots", "circles:10x7", "acircles:4x11", "acircles:5x7", "chessboard:9x6",
-         "chessboard:7x7", "charuco:10x7", "charuco:5x9"]
+         "chessboard:7x7", "charuco:10x7", "charuco:5x9",
+         "aprilgrid:6x4:0.3"]
 
 
 @pytest.fixture(scope="module")
