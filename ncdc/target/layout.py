@@ -237,8 +237,8 @@ def _aprilgrid(columns, rows, side, spacing):
     import cv2
     family, gap = april_family(), spacing * side
     if columns * rows > len(family.bytesList):
-        raise InputError(f"aprilgrid:{columns}x{rows} needs {columns * rows} tags, the family 36h11 "
-                         f"has {len(family.bytesList)}")
+        raise InputError(f"aprilgrid:{columns}x{rows} needs {columns * rows} tags, the family "
+                         f"36h11 has {len(family.bytesList)}")
     shapes = [Rectangle(i * (side + gap), j * (side + gap), gap, gap)
               for j in range(rows + 1) for i in range(columns + 1)]
     for number in range(columns * rows):
