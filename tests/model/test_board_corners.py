@@ -102,8 +102,8 @@ def test_black_squares_are_no_dots(find):
 @cache
 def wide():
     """A board that a lens too wide for a flat picture sees, its points and their frame."""
-    shot = board_photo("chessboard", 8, 6, Equidistant(174.0), 64.0)
-    points = detect_points([("wide.png", shot.image)], "chessboard:8x6")
+    shot = board_photo("chessboard", 12, 9, Equidistant(174.0), 62.0)
+    points = detect_points([("wide.png", shot.image)], "chessboard:12x9")
     return shot, points, judged(points)[1]
 
 
@@ -115,7 +115,7 @@ def test_points_outside_the_flat_picture_are_marked_and_not_crossed_out():
     drawn = draw_points(shot.image, points.photos[0], frame)
     red = (drawn == (230, 0, 0)).all(axis=2).sum()
     marked = (np.abs(drawn.astype(int) - (0, 110, 200)).max(axis=2) < 12).sum()
-    assert red == 0 and marked > 10 * outside
+    assert red == 0 and marked > 2 * outside
 
 
 @pytest.mark.parametrize("degrees", [171.0, 178.0, 190.0])
