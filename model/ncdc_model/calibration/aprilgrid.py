@@ -128,8 +128,7 @@ def _seeds(grey, tags, size, border):
         near = by_edges(smooth, xy[left] + farther * away[left], plain[left])
         moved = refine(grey, index[left], near, np.clip(plain[left], _SEED, None).max(),
                        plain[left])
-        good = (moved != near).any(axis=1) & (np.linalg.norm(moved - near, axis=1)
-                                              < np.maximum(plain[left], _SEED))
+        good = np.linalg.norm(moved - near, axis=1) < np.maximum(plain[left], _SEED)
         good &= cornerlike(smooth, moved, _RING * plain[left])
         xy[left[good]], found[left[good]] = moved[good], True
         if found.sum() >= _MOST * len(found):

@@ -49,7 +49,7 @@ def within(margin, grey, index, xy, scale):
     """``index`` and ``xy`` (n, 2) of the corners that :func:`refine` finds by no more than the
     ``margin`` around markers."""
     moved = refine(grey, index, xy, scale, margin * gaps(index, xy))
-    found = (moved != xy).any(axis=1)
+    found = np.isfinite(moved).all(axis=1)
     return index[found], moved[found]
 
 

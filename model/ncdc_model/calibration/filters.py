@@ -123,9 +123,8 @@ def shifts_of(raw, photo, parts):
             seen.append(at + first)
         else:
             here = xy + offset
-            moved = refine(plane, np.zeros((len(xy), 2), int), here, _LARGEST, plain[inside])
-            moved[(moved == here).all(axis=1)] = np.nan
-            seen.append(moved - offset)
+            seen.append(refine(plane, np.zeros((len(xy), 2), int), here, _LARGEST,
+                               plain[inside]) - offset)
     return Shifts(size, xy, np.array(seen))
 
 

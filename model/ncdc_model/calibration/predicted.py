@@ -52,11 +52,10 @@ def completed(grey, known, wanted, places, plain):
                                                       & (at < size - 1 - around[:, None])
                                                       ).all(axis=1)
         more, at, around = more[near], at[near], around[near]
-        if len(more) < 2:
+        if not len(more):
             break
         moved = refine(grey, more, at, around.max(), around)
-        off = np.linalg.norm(moved - at, axis=1)
-        found = (off > 0) & (off < np.maximum(around, _SMALL))
+        found = np.linalg.norm(moved - at, axis=1) < np.maximum(around, _SMALL)
         found &= cornerlike(smooth, moved, _RING * around)
         if not found.any():
             break

@@ -30,7 +30,8 @@ def refine(grey, index, xy, scale, plain=None):
     saddle of the smoothed brightness at every scale. A parabola is fitted to nine samples one scale
     apart, and moved to where it is level, until it stays. If the position at twice the scale is
     another, the squares are lit unevenly: then the edges determine a sharp corner's position.
-    A corner without a saddle, or that moves by more than ``scale`` and a pixel, is not changed.
+    A corner without a saddle, or that moves by more than ``scale`` and a pixel, is not changed, or
+    is not-a-number if ``plain`` is given.
 
     Parameters
     ----------
@@ -47,8 +48,9 @@ def refine(grey, index, xy, scale, plain=None):
     -------
     ndarray, shape (n, 2)
     """
-    if len(xy) < 2:
+    if plain is None and len(xy) < 2:
         return xy
+    lost = xy if plain is None else np.full_like(xy, np.nan, np.float64)
     if plain is None:
         near = gaps(index, xy)
         sigma, plain = np.clip(_PART * near, *_SCALE), near / 3
@@ -69,7 +71,7 @@ def refine(grey, index, xy, scale, plain=None):
         uneven[uneven] = ~(edge_blur(grey, xy[uneven], near[uneven]) >= _SHARP)
         moved[uneven] = by_edges(grey, xy[uneven], plain[uneven])
     good = found & (np.linalg.norm(moved - xy, axis=1) <= 1 + scale)
-    return np.where(good[:, None], moved, xy)
+    return np.where(good[:, None], moved, lost)
 
 
 def _around(grey, xy, scale):
