@@ -178,7 +178,7 @@ def corrected_points(descriptor, points, path):
     parts = []
     for number in np.unique(frame.photo):
         on = frame.photo == number
-        index, (x, y) = frame.index[on].astype(np.float64), frame.distorted[on].T
+        index, (x, y) = frame.on_target[on].astype(np.float64), frame.distorted[on].T
         matrix = matrices[number] if trained else _fitted(descriptor, index, x, y)
         if matrix is not None:
             u, v = cv2.perspectiveTransform(index[:, None], matrix)[:, 0].T

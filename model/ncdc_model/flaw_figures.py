@@ -168,7 +168,7 @@ def _decentring_error(camera, vector, covariance):
 
 def _roll(frame, vector):
     """Roll of the first photo and its standard error, both in degrees; see :class:`Flaws`."""
-    middle = frame.index[frame.photo == 0].mean(axis=0)
+    middle = frame.cells[0].mean(axis=0)
 
     def angle(vector):
         first, second, shift = planes_of(vector)[0].T

@@ -43,8 +43,9 @@ def add_arguments(parser) -> None:
     parser.add_argument("--target", default="auto", metavar="KIND",
                         help="dots (a page of black dots that fills the picture), circles:CxR, "
                              "acircles:CxR (staggered: circles in a line, lines), "
-                             "chessboard:CxR (inner corners), charuco:CxR (squares), or auto "
-                             "(default)")
+                             "chessboard:CxR (inner corners), charuco:CxR (squares), "
+                             "aprilgrid:CxR (Kalibr's: tags; :0.3 after them states their gap in "
+                             "sides of a tag), or auto (default)")
     parser.add_argument("-o", "--output", default="points.json", metavar="FILE",
                         help="points file (default: points.json); each photo with its points "
                              "drawn over it goes next to it, as points.overlay.png")
@@ -125,12 +126,15 @@ def _report(points, frame):
                         "reason": Dropped.GROSS.value})
     return {
         "target": points.target, "target_chosen": points.choice, "columns": points.columns,
-        "rows": points.rows, "points_found": points.count,
-        "points_cut": points.count - points.whole, "points_rejected": sum(rejected.values()),
+        "rows": points.rows, "tag_spacing": points.spacing, "points_found": points.count,
+        "points_cut": points.count - points.whole,
+        "points_outside_frame": 0 if frame is None else frame.rejected.get(Dropped.OUTSIDE, 0),
+        "points_rejected": sum(rejected.values()),
         "points_rejected_by_reason": rejected, "points_dropped": dropped,
         "agreement_px": {photo.name: photo.agreement for photo in points.photos},
         "photos_used": len(points.photos), "photos_rejected": points.rejected_photos,
         "photos_in_part": _parts(points), "lens": {} if frame is None else _lens(frame),
+        "lateral_colour": points.colour,
         "remarks": [f"{photo.name}: {text}" for photo in points.photos for text in photo.remarks]}
 
 
@@ -148,6 +152,8 @@ def _parts(points):
     columns, rows = points.target_size or (points.columns, points.rows)
     if points.target == "charuco":
         columns, rows = columns - 1, rows - 1
+    if points.target == "aprilgrid":
+        columns, rows = 2 * columns, 2 * rows
     whole, parts = columns * rows, {}
     for photo in points.photos:
         if len(photo.index) < whole:
@@ -163,6 +169,11 @@ def _print(report, photos, measured):
           f"{report['rows']} rows) in {report['photos_used']} of {photos} photos")
     if report["target_chosen"]:
         print(f"  target: {report['target_chosen']}; --target names another one")
+    if report["tag_spacing"] is not None:
+        print(f"  gap between tags: {report['tag_spacing']:.4f} of a tag's side")
+    if report["points_outside_frame"]:
+        print(f"  {report['points_outside_frame']} of them lie outside the flat picture of the "
+              f"default zoom: the lens is fitted to them too, and a square marks them")
     if report["points_cut"]:
         print(f"  {report['points_cut']} of them are cut by the border: numbered, not used")
     for reason, count in report["points_rejected_by_reason"].items():
@@ -175,6 +186,8 @@ def _print(report, photos, measured):
               f"all")
     for name, part in report["photos_in_part"].items():
         print(f"  {name}: {part}")
+    if report["lateral_colour"]:
+        print("  " + _colour_text(report["lateral_colour"]))
     for remark in report["remarks"]:
         print(f"  {remark}")
     worst = max(report["agreement_px"], key=lambda name: report["agreement_px"][name])
@@ -189,6 +202,14 @@ def _print(report, photos, measured):
         print(straightness_text(measured, "points that the lens was not fitted to"))
     first, *others = report["overlays"]
     print(f"{report['points']}; look at {first}" + (" and the others" if others else ""))
+
+
+def _colour_text(colour):
+    """One sentence on the lateral colour of raw frames."""
+    return (f"raw frames, filter as {colour['pattern']} (by {colour['pattern_from']}): the points "
+            f"are those of green; in the picture's corner red lies {colour['red_px']:+.2f} +- "
+            f"{colour['red_error_px']:.2f} px farther out, blue {colour['blue_px']:+.2f} +- "
+            f"{colour['blue_error_px']:.2f} px")
 
 
 class _Photos:
@@ -209,18 +230,18 @@ class _Photos:
 
     def backdrop(self, name):
         """The :class:`Backdrop` of a photo that was read before."""
-        return self._backdrops.get(name) or Backdrop.of(self._read(name))
+        return self._backdrops.get(name) or Backdrop.of(self._read(name).image)
 
     def _read(self, name):
         if self._single is not None:
             return self._single
-        image = read_photo(name, self._args.raw, self._args.bits, self._warn).image
+        photo = read_photo(name, self._args.raw, self._args.bits, self._warn)
         if len(self._args.photos) == 1:
-            self._single = image
+            self._single = photo
         if name not in self._backdrops and self._free > 0:
-            self._backdrops[name] = Backdrop.of(image)
+            self._backdrops[name] = Backdrop.of(photo.image)
             self._free -= self._backdrops[name].picture.nbytes
-        return image
+        return photo
 
 
 def _once():

@@ -28,8 +28,8 @@ def add_lot_options(parser, timeout) -> None:
                              "an address of SQLAlchemy, such as postgresql+psycopg://host/lot")
     work = parser.add_argument_group("calibration and training, as of ncdc calibrate and train")
     work.add_argument("--target", default="auto", metavar="KIND",
-                      help="dots, circles:CxR, acircles:CxR, chessboard:CxR, charuco:CxR, or auto "
-                           "(default)")
+                      help="dots, circles:CxR, acircles:CxR, chessboard:CxR, charuco:CxR, "
+                           "aprilgrid:CxR, or auto (default)")
     add_page(work)
     work.add_argument("--neurons", type=neurons_of, default=8, metavar="N",
                       help="hidden neurons (default: 8); auto: the fewest that meet --max-error")

@@ -25,7 +25,7 @@ def add_arguments(parser) -> None:
                              f"(default: A4)")
     parser.add_argument("--step", type=float, metavar="MM",
                         help="millimetres between neighbouring points; of a board, side of a "
-                             "square (default: as many as fit; of dots 10)")
+                             "square or tag (default: as many as fit; of dots 10)")
     parser.add_argument("-o", "--output", required=True, metavar="FILE",
                         help="page to write: .pdf or .svg")
     add_json(parser)

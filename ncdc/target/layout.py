@@ -4,7 +4,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ncdc_model.calibration.detect import parse_target
+from ncdc_model.calibration.detect import parse_target, stated_spacing
+from ncdc_model.calibration.tags import april_family
 from ncdc_spec.errors import InputError
 
 __all__ = ["KINDS", "PAPERS", "Circle", "Layout", "Rectangle", "layout_of", "paper_of"]
@@ -20,10 +21,12 @@ _DOTS_STEP = 10.0           # of a page of dots: 28 x 17 on A4
 _DOT = 0.5                  # diameter of a circle over the distance to the nearest one
 _MARKER = 0.75              # side of a marker over that of its square
 _FAMILY = "DICT_4X4_1000"   # its first ones are those of DICT_4X4_50, _100 and _250
+_SPACING = 0.3              # of an AprilGrid, Kalibr's: gap between two tags over the side of one
+_BORDER, _TAG = 2, 10       # cells of a tag's black border, and of the tag in a row
 _FEWEST = 3                 # columns or rows
 
 KINDS = {"dots": None, "circles": (10, 7), "acircles": (4, 11), "chessboard": (9, 6),
-         "charuco": (10, 7)}
+         "charuco": (10, 7), "aprilgrid": (8, 5)}
 """Kinds of target, and columns and rows if they are not given; None: as many as fit."""
 
 
@@ -59,7 +62,7 @@ class Layout:
         Points that are found on a whole picture of it.
     step : float
         Millimetres between neighbouring columns of points; of staggered circles twice that between
-        neighbouring lines.
+        neighbouring lines; of an AprilGrid the side of a tag.
     description : str
         Kind of target, with its sizes.
     """
@@ -106,7 +109,7 @@ def layout_of(kind, paper, step=None):
     ----------
     kind : str
         One of :data:`KINDS`, with columns and rows as ``ncdc calibrate --target`` counts them if
-        wanted: ``chessboard:9x6``.
+        wanted: ``chessboard:9x6``; after those of an AprilGrid its spacing: ``aprilgrid:6x6:0.3``.
     paper : (float, float)
         Width and height, millimetres.
     step : float, optional
@@ -126,7 +129,8 @@ def layout_of(kind, paper, step=None):
         step = step or _DOTS_STEP
         columns, rows = (int((side - _DOT * step) / step) + 1 for side in (width, height))
     turned = name == "acircles" and _turned(columns, rows, width, height)
-    across, down = _steps(name, columns, rows)[::-1 if turned else 1]
+    spacing = stated_spacing(kind) or _SPACING
+    across, down = _steps(name, columns, rows, spacing)[::-1 if turned else 1]
     fits = min(width / across, height / down)
     step = step or float(int(fits) or fits)
     if step > fits or min(columns, rows) < _FEWEST:
@@ -135,11 +139,15 @@ def layout_of(kind, paper, step=None):
     # In the middle of what is left above the foot.
     left = _MARGIN + (width - across * step) / 2
     top = _MARGIN + (height - down * step) / 2
-    make = {"chessboard": _chessboard, "charuco": _charuco}.get(name, _circles)
-    shapes, points, description = make(name, columns, rows, step, turned)
+    if name == "aprilgrid":
+        shapes, points, description = _aprilgrid(columns, rows, step, spacing)
+    else:
+        make = {"chessboard": _chessboard, "charuco": _charuco}.get(name, _circles)
+        shapes, points, description = make(name, columns, rows, step, turned)
     shapes = tuple(_moved(shape, left, top) for shape in shapes)
-    return Layout(paper, shapes, name if name == "dots" else f"{name}:{columns}x{rows}", points,
-                  step, description)
+    target = name if name == "dots" else f"{name}:{columns}x{rows}"
+    return Layout(paper, shapes, target + f":{spacing:g}" * (name == "aprilgrid"), points, step,
+                  description)
 
 
 def _kind(text):
@@ -153,8 +161,10 @@ def _kind(text):
     return parse_target(text)
 
 
-def _steps(name, columns, rows):
+def _steps(name, columns, rows, spacing=_SPACING):
     """Width and height of a target, in steps."""
+    if name == "aprilgrid":
+        return columns * (1 + spacing) + spacing, rows * (1 + spacing) + spacing
     if name == "chessboard":
         return columns + 1, rows + 1
     if name == "charuco":
@@ -219,6 +229,27 @@ def _charuco(name, columns, rows, step, turned):
     return shapes, (columns - 1) * (rows - 1), (
         f"ChArUco board of {columns} x {rows} squares of {step:g} mm, markers of "
         f"{_MARKER * step:g} mm, {_FAMILY}")
+
+
+def _aprilgrid(columns, rows, side, spacing):
+    """Shapes, points and words of Kalibr's AprilGrid: tag 0 at the lower left, black squares at the
+    corners of the tags."""
+    import cv2
+    family, gap = april_family(), spacing * side
+    if columns * rows > len(family.bytesList):
+        raise InputError(f"aprilgrid:{columns}x{rows} needs {columns * rows} tags, the family "
+                         f"36h11 has {len(family.bytesList)}")
+    shapes = [Rectangle(i * (side + gap), j * (side + gap), gap, gap)
+              for j in range(rows + 1) for i in range(columns + 1)]
+    for number in range(columns * rows):
+        row, column = divmod(number, columns)
+        x, y = gap + column * (side + gap), gap + (rows - 1 - row) * (side + gap)
+        # OpenCV's picture of a tag stands on its head, compared with Kalibr's.
+        picture = cv2.aruco.generateImageMarker(family, number, _TAG, borderBits=_BORDER)
+        shapes += _cells(picture[::-1, ::-1] == 0, x, y, side / _TAG)
+    return shapes, 4 * columns * rows, (
+        f"AprilGrid of {columns} x {rows} tags 36h11 of {side:g} mm, {gap:g} mm apart (spacing "
+        f"{spacing:g})")
 
 
 def _cells(dark, x, y, size):

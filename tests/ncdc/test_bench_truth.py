@@ -15,6 +15,7 @@ from ncdc_bench.truth.render import photograph
 from ncdc_model.calibration.frame import ideal_frame
 from ncdc_model.calibration.quality import uneven
 from ncdc_model.lens import rotation
+from ncdc_spec.errors import InputError
 
 
 @cache
@@ -99,3 +100,19 @@ def test_a_map_that_is_off_by_a_known_bump_is_measured_as_that(monkeypatch):
     # The square of exp(-d^2 / 200) covers 100 pi pixels; a homography takes up a little of it.
     assert rms == pytest.approx(2 * np.sqrt(100 * np.pi / valid.sum()), rel=0.06)
     assert worst == pytest.approx(2, rel=0.06)
+
+
+@pytest.mark.longer
+@pytest.mark.parametrize("target", ["chessboard", "charuco", "aprilgrid"])
+def test_corners_of_boards_are_where_the_truth_says(capsys, target):
+    code, (row,) = report_of(capsys, "--target", target, "--only", "equidistant 150", "--photos",
+                             "1", "--dots")
+    assert code == 0 and row["target"] == target and row["photos"] == 1
+    assert row["corners_misnumbered"] == 0
+    assert row["corners_used"] >= 0.95 * row["corners_visible"] > 150
+    assert row["corner_rms_px"] < 0.08 and row["corner_max_px"] < 0.4
+
+
+def test_there_are_so_many_photos_of_a_target():
+    with pytest.raises(InputError, match="--photos is 4, of dots there are at most 3"):
+        command.run(argparse.Namespace(neurons=8, only="", target="dots", sides=4))

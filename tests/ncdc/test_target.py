@@ -14,7 +14,8 @@ from ncdc_model.calibration.detect import detect_points
 from vector_pages import painted, shapes
 
 KINDS = ["dots", "circles:10x7", "acircles:4x11", "acircles:5x7", "chessboard:9x6",
-         "chessboard:7x7", "charuco:10x7", "charuco:5x9"]
+         "chessboard:7x7", "charuco:10x7", "charuco:5x9",
+         "aprilgrid:6x4:0.3"]
 
 
 @pytest.fixture(scope="module")
@@ -76,7 +77,8 @@ def test_points_are_as_far_apart_as_the_page_says(pages, kind):
         squares = found[np.abs(found[:, 2] - layout.step) < 1e-3]
         assert len(squares) and squares[:, 3] == pytest.approx(layout.step, abs=1e-3)
     else:
-        step = 2 if kind.startswith("chessboard") else 1    # every other square is black
+        # Every other square is black; of an AprilGrid the small ones are a tag and a gap apart.
+        step = {"chessboard": 2, "aprilgrid": 1.3}.get(kind.partition(":")[0], 1)
         first = found[np.abs(found[:, 1] - found[0, 1]) < 1e-3]
         assert np.diff(first[:, 0]) == pytest.approx(step * layout.step, abs=1e-3)
     assert f"{layout.step:g} mm" in layout.description or kind.startswith("acircles")
@@ -93,7 +95,7 @@ def test_staggered_circles_are_turned_and_not_mirrored(paper):
 
 
 @pytest.mark.parametrize("kind", cases(KINDS, longer=[
-    "dots", "acircles:4x11", "acircles:5x7", "charuco:10x7", "charuco:5x9"]))
+    "dots", "acircles:4x11", "acircles:5x7", "charuco:10x7", "charuco:5x9", "aprilgrid:6x4:0.3"]))
 def test_our_detector_finds_every_point(pages, kind):
     layout, pdf, _ = pages(kind)
     points = detect_points([("page.png", painted(pdf, 3))], layout.target)
@@ -102,7 +104,8 @@ def test_our_detector_finds_every_point(pages, kind):
     assert points.target == kind.partition(":")[0]
 
 
-@pytest.mark.parametrize("kind", ["acircles:4x11", "charuco:10x7", "chessboard:9x6"])
+@pytest.mark.parametrize("kind", ["acircles:4x11", "charuco:10x7", "chessboard:9x6",
+                                  "aprilgrid:6x4"])
 def test_opencv_finds_it_too(pages, kind):
     """Another one's idea of which circle or square is where."""
     import cv2
@@ -113,6 +116,17 @@ def test_opencv_finds_it_too(pages, kind):
                                         flags=cv2.CALIB_CB_ASYMMETRIC_GRID)
     elif kind.startswith("chessboard"):
         found, xy = cv2.findChessboardCorners(image, (columns, rows))
+    elif kind.startswith("aprilgrid"):
+        settings = cv2.aruco.DetectorParameters()
+        settings.markerBorderBits = 2
+        tags, number, _ = cv2.aruco.ArucoDetector(cv2.aruco.getPredefinedDictionary(
+            cv2.aruco.DICT_APRILTAG_36h11), settings).detectMarkers(image)
+        xy = np.reshape(tags, (-1, 2))
+        middle = {int(n): np.reshape(tag, (4, 2)).mean(axis=0) for n, tag in zip(number, tags)}
+        # Kalibr's: 0 at the lower left, then to the right; OpenCV's pictures stand on their heads.
+        order = sorted(middle, key=lambda n: (-middle[n][1].round(-1), middle[n][0]))
+        first, _, third, _ = np.reshape(tags[0], (4, 2)).sum(axis=1)
+        found = order == [*range(24)] and first > third
     else:
         board = cv2.aruco.CharucoBoard((columns, rows), 1, .75, cv2.aruco.getPredefinedDictionary(
             cv2.aruco.DICT_4X4_50))
@@ -154,7 +168,8 @@ def test_two_pages_are_identical(pages):
 
 
 @pytest.mark.parametrize("arguments,said", [
-    (["stars"], "the target is 'stars', one of dots, circles, acircles, chessboard, charuco is"),
+    (["stars"], "the target is 'stars', one of dots, circles, acircles, chessboard, charuco, "
+     "aprilgrid is"),
     (["dots:9x6"], "the target is 'dots:9x6', one of dots"),
     (["chessboard:2x6"], "has 2 columns and 6 rows, the limits are 3 and 200"),
     (["chessboard:9"], "target is 'chessboard:9', one of"),
@@ -165,7 +180,9 @@ def test_two_pages_are_identical(pages):
     (["dots", "--step", "nan"], "the step is nan mm, the limits are 1 and 500"),
     (["dots", "--step", "100"], "dots with 100 mm between points does not fit on 297x210 mm"),
     (["chessboard", "--step", "26"], "does not fit on 297x210 mm: at most 24.9 mm do"),
-    (["charuco:100x100"], "charuco:100x100 needs 5000 markers, DICT_4X4_1000 has 1000")])
+    (["charuco:100x100"], "charuco:100x100 needs 5000 markers, DICT_4X4_1000 has 1000"),
+    (["aprilgrid:30x20"], "aprilgrid:30x20 needs 600 tags, the family 36h11 has 587"),
+    (["aprilgrid:6x6:3"], "has the spacing '3', a number from 0.05 to 1 is needed")])
 def test_what_cannot_be(tmp_path, capsys, arguments, said):
     assert main(["target", *arguments, "-o", str(tmp_path / "page.pdf")]) == 2
     out, err = capsys.readouterr()

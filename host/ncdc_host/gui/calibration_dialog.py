@@ -25,7 +25,8 @@ from ncdc_spec.formats import MAX_NEURONS
 
 __all__ = ["TARGETS", "CalibrationDialog"]
 
-TARGETS = ("auto", "dots", "circles:11x7", "acircles:4x11", "chessboard:9x6", "charuco:8x11")
+TARGETS = ("auto", "dots", "circles:11x7", "acircles:4x11", "chessboard:9x6", "charuco:8x11",
+           "aprilgrid:6x6")
 _NEURONS = 8
 _BAYER = "RGGB"         # of a network for a camera that sends colours
 _PICTURE_MIN = 160, 90
@@ -90,8 +91,8 @@ class CalibrationDialog(QDialog):
         self.picture.setAccessibleName("Raw frame")
         self._show_frame()
         self.about = QLabel("The raw frame that the device sees now. It should show a calibration "
-                            "target that fills it: a page of dots, a chessboard, circles or "
-                            "ChArUco.")
+                            "target that fills it: a page of dots, a chessboard, circles, "
+                            "ChArUco or an AprilGrid.")
         self.about.setWordWrap(True)
         self.progress = QProgressBar(maximum=1000, textVisible=True)
         self.progress.hide()

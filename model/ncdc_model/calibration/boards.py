@@ -11,7 +11,7 @@ from ncdc_model.calibration.exposure import with_exposure
 from ncdc_model.calibration.focus import with_focus
 from ncdc_model.calibration.outliers import location_text, without_outliers
 from ncdc_model.calibration.points import PhotoPoints
-from ncdc_model.calibration.subpixel import refine
+from ncdc_model.calibration.subpixel import gaps, refine
 from ncdc_spec.errors import InputError
 
 __all__ = ["board_of_size", "examined", "find_boards", "find_chessboard", "grey_picture", "within"]
@@ -48,8 +48,8 @@ def find_boards(image, lattices=None, margin=None):
 def within(margin, grey, index, xy, scale):
     """``index`` and ``xy`` (n, 2) of the corners that :func:`refine` finds by no more than the
     ``margin`` around markers."""
-    moved = refine(grey, index, xy, scale, margin)
-    found = (moved != xy).any(axis=1)
+    moved = refine(grey, index, xy, scale, margin * gaps(index, xy))
+    found = np.isfinite(moved).all(axis=1)
     return index[found], moved[found]
 
 

@@ -8,6 +8,7 @@ import numpy as np
 from ncdc_model.calibration.boards import examined, find_boards, grey_picture, within
 from ncdc_model.calibration.outliers import without_outliers
 from ncdc_model.calibration.points import PhotoPoints
+from ncdc_model.calibration.predicted import completed
 from ncdc_model.calibration.sampling import sample
 from ncdc_model.nearest import Nearest
 from ncdc_spec.errors import InputError
@@ -73,11 +74,20 @@ def find_charuco(image, columns, rows, lattices=None):
         elif len(xy):
             boards = find_boards(image, lattices() if lattices else None, margin)
             photo = _numbered(image, index, xy, size, boards)
+            photo = photo and _with_missed(image, grey, photo, size, margin)
     count = 0 if photo is None else len(photo.index)
     if count < _CORNERS:
         raise InputError(f"{count} corners of a ChArUco board of {columns}x{rows} squares were "
                          f"found, at least {_CORNERS} are needed")
     return photo
+
+
+def _with_missed(image, grey, photo, size, margin):
+    """``photo`` with the corners that neither OpenCV nor the lattice had, where a lens predicts
+    them."""
+    every = np.stack(np.meshgrid(*map(np.arange, size)), axis=-1).reshape(-1, 2)
+    index, xy = completed(grey, (photo.index, photo.xy), every, np.float64, margin)
+    return photo if len(xy) == len(photo.xy) else _completed(image, photo, index, xy)
 
 
 def _whole(image, grey, index, xy):

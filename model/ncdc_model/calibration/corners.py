@@ -10,7 +10,7 @@ from ncdc_model.calibration.lattice import find_lattices
 from ncdc_model.calibration.sampling import bilinear
 from ncdc_model.calibration.subpixel import refine
 
-__all__ = ["CornerLattice", "check_squares", "find_corner_lattices"]
+__all__ = ["CornerLattice", "check_squares", "cornerlike", "find_corner_lattices"]
 
 _SIDE = 1300           # pixels of the longer side of the searched copy
 _SCALES = 1.5, 2.5, 4.5, 8.0    # pixels: a sharp photo, and blurred ones
@@ -112,16 +112,19 @@ def _saddles(smooth, scale):
     near = np.abs(move).max(axis=1) < max(1.0, scale)
     order = np.argsort(-strength[rows, columns][near])[:_MAX_CANDIDATES]
     positions = (np.stack([columns, rows], axis=1) + move)[near][order]
-    return positions[_cornerlike(smooth, positions, _RING * scale)]
+    return positions[cornerlike(smooth, positions, _RING * scale)]
 
 
-def _cornerlike(smooth, positions, radius):
-    """Which ``positions`` have a ring of two dark and two bright parts around them."""
+def cornerlike(smooth, positions, radius):
+    """Which ``positions`` (n, 2) have a ring of two dark and two bright parts around them.
+
+    ``radius``: of the ring in pixels, one or (n,).
+    """
     if not len(positions):
         return np.zeros(0, bool)
     turns = 2 * np.pi * np.arange(_TURN) / _TURN
-    ring = radius * np.stack([np.cos(turns), np.sin(turns)], axis=1)
-    at = positions[:, None] + ring
+    ring = np.stack([np.cos(turns), np.sin(turns)], axis=1)
+    at = positions[:, None] + np.reshape(radius, (-1, 1, 1)) * ring
     values = bilinear(smooth, at)
     middle = bilinear(smooth, positions)
     low, high = np.percentile(values, (10, 90), axis=1)

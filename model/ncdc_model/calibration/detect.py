@@ -6,16 +6,18 @@ from pathlib import Path
 
 import numpy as np
 
+from ncdc_model.calibration.aprilgrid import SPACINGS
 from ncdc_model.calibration.boards import board_of_size, grey_picture
 from ncdc_model.calibration.detection_result import MIN_DOTS, DetectionResult
 from ncdc_model.calibration.fiducials import other_board
+from ncdc_model.calibration.green_sites import by_green
 from ncdc_model.calibration.grids import grid_of_size
 from ncdc_model.calibration.points import TARGETS, TargetPoints
 from ncdc_model.calibration.smooth import MIN_POINTS, misfit
 from ncdc_spec.errors import InputError
 from ncdc_spec.geometry import MIN_SIZE
 
-__all__ = ["MIN_DOTS", "detect_points", "parse_target"]
+__all__ = ["MIN_DOTS", "detect_points", "parse_target", "stated_spacing"]
 
 _MAX_SIDE = 200        # columns or rows of a target
 _MAX_PHOTO = 32766     # pixels on a side: OpenCV samples no larger picture
@@ -27,13 +29,16 @@ _ASPECT_PHOTOS = 4
 
 
 def parse_target(text):
-    """(kind, columns, rows) of ``dots``, ``KIND:CxR`` or ``auto``.
+    """(kind, columns, rows) of ``dots``, ``KIND:CxR``, ``aprilgrid:CxR:SPACING`` or ``auto``.
 
     Columns and rows are None for dots and auto. Raises :class:`InputError` for anything else.
     """
     kind, colon, size = text.partition(":")
     if kind in ("dots", "auto") and not colon:
         return kind, None, None
+    if kind == "aprilgrid":
+        stated_spacing(text)
+        size = size.partition(":")[0]
     parts = size.lower().split("x")
     if (kind in TARGETS and kind != "dots" and len(parts) == 2
             and all(p.isdecimal() for p in parts)):
@@ -43,16 +48,33 @@ def parse_target(text):
                              f"are 3 and {_MAX_SIDE}")
         return kind, columns, rows
     raise InputError(f"target is {text!r}, one of dots, circles:CxR, acircles:CxR, chessboard:CxR, "
-                     f"charuco:CxR or auto is needed, as in chessboard:9x6")
+                     f"charuco:CxR, aprilgrid:CxR or auto is needed, as in chessboard:9x6")
+
+
+def stated_spacing(text):
+    """Gap between tags, in sides of a tag, that a target ``aprilgrid:CxR:SPACING`` states; None if
+    it states none. Raises :class:`InputError` if it is no such number."""
+    kind, *parts = text.split(":")
+    if kind != "aprilgrid" or len(parts) < 2:
+        return None
+    try:
+        spacing = float(parts[1])
+    except ValueError:
+        spacing = float("nan")
+    if len(parts) > 2 or not SPACINGS[0] <= spacing <= SPACINGS[1]:
+        raise InputError(f"target {text!r} has the spacing {':'.join(parts[1:])!r}, a number from "
+                         f"{SPACINGS[0]:g} to {SPACINGS[1]:g} is needed: the gap between two tags "
+                         f"in sides of a tag, as in aprilgrid:6x6:0.3")
+    return spacing
 
 
 def detect_points(images, target="auto"):
-    """Points of the target on every one of ``images``, pairs (name, uint8 image).
+    """Points of the target on every one of ``images``, pairs (name, uint8 image or Photo).
 
-    ``images`` may be an iterator. An image may be a function that returns it, which is called
-    again when needed, so that only one photo is in memory. ``auto`` takes the kind and size of
-    target that most photos show; a part counts as the whole target, and the part is used. A photo
-    is rejected with its reason if it
+    ``images`` may be an iterator. The points of a raw frame are those of its green sites. An image
+    may be a function that returns it, which is called again when needed, so that only one photo is
+    in memory. ``auto`` takes the kind and size of target that most photos show; a part counts as
+    the whole target, and the part is used. A photo is rejected with its reason if it
 
     - does not show the target,
     - has another size in pixels than most,
@@ -65,17 +87,31 @@ def detect_points(images, target="auto"):
         If ``target`` is not understood or no photo is usable.
     """
     kind, columns, rows = parse_target(target)
-    results, rejected = _results(images, kind, (columns, rows))
+    results, rejected = _results(images, kind, (columns, rows), stated_spacing(target))
     choice = ""
     if kind == "auto":
         kind, columns, rows, choice = _agreed(results, rejected)
     size = _common_size(results, rejected)
-    photos = []
+    photos, used = _photos_of(results, rejected, (kind, columns, rows))
+    if not photos:
+        reasons = "; ".join(f"{name}: {reason}" for name, reason in rejected.items())
+        raise InputError(f"no photo shows the target ({reasons or 'no photo was given'})")
+    photos, colour = by_green(photos, used, lambda result: _found(result, kind, columns, rows))
+    return TargetPoints(target=kind, size=size, photos=tuple(photos), rejected_photos=rejected,
+                        aspect=_aspect(size, photos) if kind == "acircles" else 1.0, choice=choice,
+                        target_size=None if columns is None else (columns, rows), colour=colour,
+                        spacing=_spacing(used) if kind == "aprilgrid" else None)
+
+
+def _photos_of(results, rejected, target):
+    """PhotoPoints of the ``target``, (kind, columns, rows), of all usable photos, and the
+    :class:`DetectionResult` of each; why others are not is added to ``rejected``."""
+    photos, used = [], []
     for result in results:
         if result.name in rejected:
             continue
         try:
-            found = _found(result, kind, columns, rows)
+            found = _found(result, *target)
             duplicate = next((photo.name for photo in photos if _same(photo, found)), None)
             if duplicate:
                 raise InputError(f"it shows the same as {duplicate}: points within {_SAME} pixels "
@@ -86,23 +122,20 @@ def detect_points(images, target="auto"):
         finally:
             result.release()
         photos.append(replace(found, name=Path(result.name).name))
-    if not photos:
-        reasons = "; ".join(f"{name}: {reason}" for name, reason in rejected.items())
-        raise InputError(f"no photo shows the target ({reasons or 'no photo was given'})")
-    return TargetPoints(target=kind, size=size, photos=tuple(photos), rejected_photos=rejected,
-                        aspect=_aspect(size, photos) if kind == "acircles" else 1.0, choice=choice,
-                        target_size=None if columns is None else (columns, rows))
+        used.append(result)
+    return photos, used
 
 
-def _results(images, kind, target_size):
+def _results(images, kind, target_size, spacing=None):
     """A :class:`DetectionResult` of each photo, and why some are rejected. With ``auto`` the target
-    of each is recognised. ``target_size``: its columns and rows, if known."""
+    of each is recognised. ``target_size``, ``spacing``: its columns and rows, and the gap between
+    the tags of an AprilGrid, if known."""
     results, rejected, seen, unread = [], {}, set(), []
     for name, image in images:
         name = f"{name} (again)" if str(name) in seen else str(name)
         seen.add(name)
         try:
-            result = DetectionResult(name, image, target_size)
+            result = DetectionResult(name, image, target_size, spacing)
         except InputError as error:
             unread.append(error)
             rejected[name] = str(error)
@@ -171,7 +204,7 @@ def _found(result, kind, columns, rows):
     except InputError as error:
         if result.doubt:
             raise InputError(result.doubt) from error
-        raise InputError(other_board(grey_picture(result.image), kind == "charuco")
+        raise InputError(other_board(grey_picture(result.image), kind)
                          or str(error)) from error
 
 
@@ -182,6 +215,8 @@ def _find(result, kind, columns, rows):
         return grid_of_size(result.spots, columns, rows, kind == "acircles")
     if kind == "charuco":
         return result.charuco(columns, rows)
+    if kind == "aprilgrid":
+        return result.aprilgrid(columns, rows)
     return board_of_size(result.boards, columns, rows, lambda: result.image)
 
 
@@ -203,3 +238,8 @@ def _aspect(size, photos):
         return 1.0
     return min(_ASPECTS, key=lambda aspect: misfit(
         size, [(photo.index * (1.0, aspect), photo.xy) for photo in usable]))
+
+
+def _spacing(used):
+    """The spacing of an AprilGrid, the middle one of those that its used photos show."""
+    return float(np.median([result.spacing for result in used]))

@@ -5,15 +5,19 @@ from functools import cached_property
 
 import numpy as np
 
+from ncdc_model.calibration.aprilgrid import find_any_aprilgrid, find_aprilgrid
 from ncdc_model.calibration.boards import find_boards, grey_picture
 from ncdc_model.calibration.charuco import find_any_charuco, find_charuco, has_markers
 from ncdc_model.calibration.corners import find_corner_lattices
 from ncdc_model.calibration.dots import dots_of, find_spots
 from ncdc_model.calibration.fiducials import other_board
+from ncdc_model.calibration.filters import green_picture, pattern_of
 from ncdc_model.calibration.grids import corners_touch, read_grid
 from ncdc_model.calibration.outliers import oblique
 from ncdc_model.calibration.smooth import misfit
+from ncdc_model.photo.photo import Photo
 from ncdc_spec.errors import InputError
+from ncdc_spec.geometry import MIN_SIZE, MONO
 
 __all__ = ["MIN_DOTS", "DetectionResult", "TargetKind"]
 
@@ -43,30 +47,69 @@ class DetectionResult:
     Parameters
     ----------
     name : str
-    image : ndarray of uint8, or a function without arguments that returns it
+    image : ndarray of uint8, a Photo, or a function without arguments that returns one of them
         :meth:`release` drops what the function returned, and it is called again when needed. So
-        only one of many photos is in memory.
+        only one of many photos is in memory. Targets are searched for on the green sites of a raw
+        frame, if its filter pattern is declared or seen.
     size : (int, int)
         Columns and rows of the target that is looked for; None each if they are not known.
+    spacing : float, optional
+        Gap between the tags of an AprilGrid, in sides of a tag; set to the measured one when the
+        photo is searched.
     """
 
-    def __init__(self, name, image, size=(None, None)):
+    def __init__(self, name, image, size=(None, None), spacing=None):
         self.name, self._image = name, None if callable(image) else image
         self._columns, self._rows = size
-        self._charuco, self._enough = None, 0
+        self._charuco, self._aprilgrid, self._enough = None, None, 0
+        self.spacing = self._stated = spacing
+        self._green = None
         self._read = image if callable(image) else None
         self.target, self.doubt = None, ""
-        self.size = self.image.shape[1::-1]
+        self.pattern, self.pattern_from = None, ""
+        frame, declared = self._frame()
+        self.size = frame.shape[1::-1]
+        self.may_be_raw = frame.ndim == 2 and declared != MONO
+        if self.may_be_raw and min(self.size) >= MIN_SIZE:
+            self.pattern = declared or pattern_of(frame)
+            self.pattern_from = "the file" if declared else "its colour cast"
+        if self.pattern:
+            self._green = green_picture(frame, self.pattern)
+
+    def _frame(self):
+        """The photo, ndarray of uint8, and its declared filter pattern, ``MONO`` or None."""
+        if self._image is None:
+            self._image = self._read()
+        photo = self._image
+        if not isinstance(photo, Photo):
+            return photo, None
+        return photo.image, MONO if photo.lossy and photo.image.ndim == 2 else photo.bayer
+
+    @property
+    def frame(self):
+        """The photo as it is, ndarray of uint8."""
+        return self._frame()[0]
 
     @property
     def image(self):
-        """The photo, ndarray of uint8."""
-        if self._image is None:
-            self._image = self._read()
-        return self._image
+        """The picture that is searched, ndarray of uint8: the photo, or its green sites."""
+        if not self.pattern:
+            return self.frame
+        if self._green is None:
+            self._green = green_picture(self.frame, self.pattern)
+        return self._green
+
+    def with_filter(self, pattern):
+        """The photo as a raw frame with the filter ``pattern``, seen by its lateral colour; nothing
+        has been searched for."""
+        other = DetectionResult(self.name, self._read or self._image,
+                                (self._columns, self._rows), self._stated)
+        other.pattern, other.pattern_from = pattern, "its lateral colour"
+        return other
 
     def release(self):
         """Drop the photo, if it can be read again."""
+        self._green = None
         if self._read is not None:
             self._image = None
 
@@ -93,6 +136,11 @@ class DetectionResult:
             self.boards
         elif kind == "charuco":
             self._prepare_charuco()
+        elif kind == "aprilgrid" and self._columns is not None:
+            try:
+                self.aprilgrid(self._columns, self._rows)
+            except InputError:
+                pass
         self.release()
 
     def _prepare_charuco(self):
@@ -149,6 +197,12 @@ class DetectionResult:
             self._charuco = find_charuco(self.image, columns, rows, lambda: self.lattices)
         return self._charuco
 
+    def aprilgrid(self, columns, rows):
+        """The AprilGrid as PhotoPoints."""
+        if self._aprilgrid is None:
+            self._aprilgrid, self.spacing = find_aprilgrid(self.image, columns, rows, self.spacing)
+        return self._aprilgrid
+
     def _recognise(self):
         many = self.spots.lattices and len(self.spots.lattices[0].index) >= _BOARD_LIKE
         board = self.boards[0] if not many and self.boards else None
@@ -161,10 +215,11 @@ class DetectionResult:
             if target is not None:
                 return target
         if board is None or not whole or has_markers(self.image, board):
-            try:
-                return TargetKind("charuco", *find_any_charuco(self.image))
-            except InputError:
-                pass
+            for kind, find in (("aprilgrid", find_any_aprilgrid), ("charuco", find_any_charuco)):
+                try:
+                    return TargetKind(kind, *find(self.image))
+                except InputError:
+                    pass
         # Dots out of focus look like squares that stand on their corners, on a ragged lattice.
         if board is not None and _filled(board) > _BOARD_FILLED and min(span) >= 3:
             return TargetKind("chessboard", int(max(span)), int(min(span)))
@@ -172,7 +227,7 @@ class DetectionResult:
         board = other_board(grey_picture(self.image))
         raise InputError(
             board or "neither a whole grid of circles, a page of at least "
-            f"{MIN_DOTS} dots, a chessboard nor a ChArUco board was found"
+            f"{MIN_DOTS} dots, a chessboard, a ChArUco board nor an AprilGrid was found"
             + (f"; of what looks like dots, {doubt}" if doubt else ""))
 
     def _part(self):
@@ -190,7 +245,7 @@ class DetectionResult:
 
     def _round(self):
         """The grid of circles or page of dots that the photo shows, or None."""
-        if not self.spots.lattices:
+        if not self.spots.lattices or self.spots.square:
             return None
         lattice = self.spots.lattices[0]
         grid = read_grid(self.size, lattice)

@@ -14,6 +14,7 @@ from ncdc_model.calibration.neighbours import OutlierReason, fits_in
 from ncdc_model.calibration.outliers import location_text, split_at_kinks, without_outliers
 from ncdc_model.calibration.patch_consistency import consistent_patches
 from ncdc_model.calibration.points import PhotoPoints
+from ncdc_model.calibration.spot_shape import are_square
 from ncdc_model.nearest import Nearest
 from ncdc_spec.errors import InputError
 
@@ -41,12 +42,22 @@ class Spots:
         Why a lattice was rejected, if one was.
     inverted : bool
         Whether the spots are bright on a dark background, found in the negative.
+    square : bool
+        Whether those of the first lattice are squares: of a chessboard or a board of markers.
     """
     size: tuple
     blobs: Blobs
     lattices: tuple
     doubt: str = ""
     inverted: bool = False
+    square: bool = False
+
+    def check_round(self):
+        """Raise :class:`InputError` if the spots are squares."""
+        if self.square:
+            raise InputError(f"its {len(self.lattices[0].index)} dark spots on one lattice are "
+                             f"squares, not round: --target chessboard:CxR finds a chessboard, "
+                             f"charuco:CxR or aprilgrid:CxR a board of markers")
 
     def dark(self, image):
         """The ``image``, or its negative, so that the spots are dark."""
@@ -66,7 +77,9 @@ def find_spots(image):
                 replace(photo, remarks=(*photo.remarks, "its dots are bright on a dark background"))
                 for photo in bright.lattices))
     grey = grey_picture(found.dark(image))
-    return replace(found, lattices=tuple(with_focus(grey, photo) for photo in found.lattices))
+    square = bool(found.lattices) and are_square(grey, found.lattices[0])
+    return replace(found, square=square,
+                   lattices=tuple(with_focus(grey, photo) for photo in found.lattices))
 
 
 def _count(spots):
@@ -118,13 +131,14 @@ def find_dots(image):
     Raises
     ------
     InputError
-        If fewer than 25 dots form one lattice, or its points scatter.
+        If fewer than 25 dots form one lattice, its points scatter, or they are squares.
     """
     return dots_of(find_spots(image), image)
 
 
 def dots_of(spots, image):
     """:func:`find_dots` from the :class:`Spots` of the same ``image``."""
+    spots.check_round()
     count, image = _count(spots), spots.dark(image)
     if count < _ENOUGH:
         raise InputError(spots.doubt or f"{count} dots on one lattice were found, at least "

@@ -34,12 +34,15 @@ class IdealFrame:
     camera : Camera
         The smooth lens, with the corrected frame; describes the points up to ``rms``.
     homographies : tuple of ndarray, shape (3, 3)
-        Matrices from (column, row, 1) of each photo's target to corrected pixels.
+        Matrices from (column, row, 1) of each photo's target to corrected pixels; of an AprilGrid
+        from the places of its corners.
     corrected, distorted : ndarray, shape (n, 2)
         Pairs (u, v) and (x, y) in pixels. (u, v) is exactly the homography of the index. (x, y) is
         measured, and corrected for the target's dots and relief.
     index : ndarray of int, shape (n, 2)
         Column and row on the target.
+    on_target : ndarray, shape (n, 2)
+        The same, or the places of an AprilGrid's corners: what the homographies take.
     photo : ndarray of int, shape (n,)
         Photo of each pair.
     rms : float
@@ -71,6 +74,7 @@ class IdealFrame:
     corrected: np.ndarray
     distorted: np.ndarray
     index: np.ndarray
+    on_target: np.ndarray
     photo: np.ndarray
     rms: float
     rejected: dict
@@ -125,9 +129,11 @@ def ideal_frame(points, size=None, zoom="fit"):
                          f"{MIN_POINTS} are needed")
     return IdealFrame(camera=replace(fit.camera, frame=frame),
                       homographies=tuple(matrix / matrix[2, 2] for matrix in homographies),
-                      corrected=corrected, distorted=distorted, index=used, photo=photo,
-                      rms=float(np.sqrt(np.mean(distance**2))), rejected=rejected, along=along,
-                      relief=shift, degrees=tuple(part.degree for part in fitted.relief),
+                      corrected=corrected, distorted=distorted, index=used,
+                      on_target=used if points.spacing is None else points.places(used),
+                      photo=photo, rms=float(np.sqrt(np.mean(distance**2))), rejected=rejected,
+                      along=along, relief=shift,
+                      degrees=tuple(part.degree for part in fitted.relief),
                       names=tuple(photo.name for photo in photos), numbers=tuple(numbers),
                       gross=gross, fits=fitted.fits, estimate=fitted.estimate,
                       cells=tuple(fitted.cells), sag=fitted.sag)
@@ -196,7 +202,7 @@ class _Fits:
 
 def _fit(points, photos):
     """:class:`_Fitted` of ``photos``, those of :class:`TargetPoints` that have enough points."""
-    cells = [photo.index * (1.0, points.aspect) for photo in photos]
+    cells = [points.places(photo.index) for photo in photos]
     xy, fits, round_dots = [photo.xy for photo in photos], _Fits(points), points.target in _ROUND
     fit, bend = fits.next(cells, xy, bent=not (points.page or round_dots))
     if round_dots:

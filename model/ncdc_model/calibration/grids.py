@@ -54,13 +54,14 @@ def find_circles(image, columns, rows, staggered=False):
     Raises
     ------
     InputError
-        If no such grid is found, or a larger one.
+        If no such grid is found, or a larger one, or one of squares.
     """
     return grid_of_size(find_spots(image), columns, rows, staggered)
 
 
 def grid_of_size(spots, columns, rows, staggered=False):
     """:func:`find_circles` from a photo's :class:`ncdc_model.calibration.dots.Spots`."""
+    spots.check_round()
     size = (2 * columns, rows) if staggered else (columns, rows)
     grids = [grid for grid in (read_grid(spots.size, lattice, staggered)
                                for lattice in spots.lattices) if grid is not None]

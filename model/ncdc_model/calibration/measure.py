@@ -74,6 +74,9 @@ def _measure(frame, back_map, distorted, measured=None):
     for number in range(len(frame.names)):
         on = frame.photo == number
         taken = frame.index[on], frame.distorted[on] + frame.relief[on]
+        if frame.on_target is not frame.index:
+            # The distances differ from corner to corner: their smooth course is the lens's.
+            taken = taken[0], taken[1] - np.stack(back_map(*frame.corrected[on].T), axis=1)
         scatter.append(line_scatter(*taken, across[on]))
         floor.append(line_scatter(*taken, across[on] * magnified[on, None]))
     lines = [{**line, "photo": frame.names[line["photo"]]} for line in straight.by_line]

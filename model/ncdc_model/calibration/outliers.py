@@ -5,12 +5,11 @@ from dataclasses import replace
 import numpy as np
 
 from ncdc_model.calibration.neighbours import check_neighbours, parts
-from ncdc_model.calibration.smooth import MIN_POINTS, fit_smooth
+from ncdc_model.calibration.smooth import rough_lens
 from ncdc_spec.errors import InputError
 
 __all__ = ["location_text", "oblique", "split_at_kinks", "without_outliers"]
 
-_FEW = 200             # points that a smooth lens is fitted to
 _EXPLAINED = 3.0       # pixels, median residual: a lens that leaves more does not fit
 _FAR_BETTER = 2.5      # times: the scatter about a lens over that about a polynomial
 _OBLIQUE = 0.35        # cosine of the angle of a lattice's steps: a square one has less
@@ -18,7 +17,7 @@ _PARTS = 4             # of a split lattice, at most
 _UNEVEN = 0.04         # of a step: points of a printed target scatter by less
 
 
-def without_outliers(size, photo):
+def without_outliers(size, photo, places=None):
     """``photo``, :class:`PhotoPoints`, without the points that disagree with the others.
 
     The result lists the dropped points with position and reason.
@@ -29,16 +28,27 @@ def without_outliers(size, photo):
         Width and height of the photo.
     photo : PhotoPoints
         Its indices are on a square lattice, with oblique steps if the target is staggered.
+    places : ndarray, shape (n, 2), optional
+        Where the points are on the target, if their distances differ. Then only a lens can predict
+        them, and the numbers stay as they are; else they begin at 0.
 
     Raises
     ------
     InputError
-        If the points scatter by more than 4 % of their distance: a printed target has less.
+        If the points scatter by more than 4 % of their distance: a printed target has less; or
+        no lens explains the ``places``.
     """
     area = photo.area if photo.area.any() else None
-    smooth = _lens(size, photo)
-    checked = check_neighbours(photo.index, photo.xy, area, size=size)
-    if smooth is not None:
+    on_target = photo.index if places is None else places
+    lens = rough_lens(size, on_target, photo.xy, _EXPLAINED)
+    smooth = None if lens is None else lens.pixels(0, on_target)
+    if places is not None:
+        if smooth is None:
+            raise InputError("no smooth lens explains its points: that is no flat printed target")
+        checked = check_neighbours(photo.index, photo.xy, area, smooth, size)
+    else:
+        checked = check_neighbours(photo.index, photo.xy, area, size=size)
+    if smooth is not None and places is None:
         # A polynomial fits far better if the steps are oblique, which no lens explains. Corners
         # have such steps on a board seen from the side. Circles have them on a staggered grid,
         # unless the lens is strong: then the lens has to fit better.
@@ -56,7 +66,8 @@ def without_outliers(size, photo):
         rejected[reason] = rejected.get(reason, 0) + 1
     keep = checked.keep
     index = photo.index[keep]
-    return replace(photo, index=index - index.min(axis=0) if len(index) else index,
+    return replace(photo,
+                   index=index - index.min(axis=0) if len(index) and places is None else index,
                    xy=photo.xy[keep], area=photo.area[keep], cut=photo.cut[keep],
                    rejected=rejected, dropped=photo.dropped + dropped, agreement=checked.sigma)
 
@@ -71,20 +82,6 @@ def split_at_kinks(photo):
         found.append(replace(photo, index=photo.index[on] - photo.index[on].min(axis=0),
                              xy=photo.xy[on], area=photo.area[on], cut=photo.cut[on]))
     return found
-
-
-def _lens(size, photo):
-    """Positions (n, 2) that a fitted smooth lens predicts, or None if it does not fit."""
-    if len(photo.index) < MIN_POINTS:
-        return None
-    tried = np.random.default_rng(1).permutation(len(photo.index))[:_FEW]
-    try:
-        fit = fit_smooth(size, [(photo.index[tried], photo.xy[tried])], rough=True)
-        positions = fit.pixels(0, photo.index)
-    except (InputError, np.linalg.LinAlgError):
-        return None
-    off = np.median(np.linalg.norm(positions - photo.xy, axis=1))
-    return positions if off < _EXPLAINED and np.isfinite(positions).all() else None
 
 
 def location_text(photo):

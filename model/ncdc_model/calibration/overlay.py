@@ -10,6 +10,7 @@ __all__ = ["Backdrop", "draw_on", "draw_points"]
 
 _WIDTH = 1280          # pixels: of a photo of twice that or more a reduced copy is drawn on
 _SHIFT = 4             # fraction bits of OpenCV's drawing coordinates
+_OUTSIDE = 0, 110, 200  # colour of the square around a point outside the frame
 _ARROW = 0.4           # of the middle step between points: length of an arrow of the usual size
 _MAGNIFY = 1, 2, 5, 10, 20, 50, 100, 200, 500
 
@@ -52,9 +53,9 @@ def draw_on(backdrop, photo, frame=None, number=0):
     a line that crosses others shows a wrong number. Every point has a dot, hollow where the border
     cuts it, point (0, 0) also a ring. Every fifth point of every fifth row has its number. With
     ``frame`` (the :class:`IdealFrame` of the photos, of which this is ``number``) an arrow leads
-    from each point to the smooth lens's position, magnified as the text at the bottom says, and
-    dropped points are crossed out. The picture of a photo of 2560 or more pixels a row is a half or
-    another whole part of it wide.
+    from each point to the smooth lens's position, magnified as the text at the bottom says, dropped
+    points are crossed out, and a square marks those outside the frame, which the lens explains.
+    The picture of a photo of 2560 or more pixels a row is a half or another whole part of it wide.
     """
     picture, part = backdrop.picture.copy(), backdrop.part
     scale = max(1.0, picture.shape[1] / _WIDTH)
@@ -85,17 +86,19 @@ def draw_on(backdrop, photo, frame=None, number=0):
         cv2.circle(picture, fixed(position[0, 0]), *fixed([5 * scale]), (200, 0, 0), thick,
                    cv2.LINE_AA, _SHIFT)
     if frame is not None and number in frame.numbers:
-        on = frame.photo == frame.numbers.index(number)
         step = float(np.median(lengths)) if lengths else 20.0
-        _residuals(picture, photo, frame, on, position, step, part, fixed)
+        _residuals(picture, photo, frame, number, position, step, part, fixed)
     return picture
 
 
-def _residuals(picture, photo, frame, on, position, step, part, fixed):
-    """Arrows from the used points to the smooth lens's positions; crosses over dropped ones.
+def _residuals(picture, photo, frame, number, position, step, part, fixed):
+    """Arrows from the used points to the smooth lens's positions; crosses over dropped ones,
+    squares around those outside the frame.
 
-    ``position`` and ``step`` are in pixels of the picture, ``part`` of the photo's each.
+    ``number``: of the photo. ``position`` and ``step`` are in pixels of the picture, ``part`` of
+    the photo's each.
     """
+    on = frame.photo == frame.numbers.index(number)
     residual = np.stack(frame.camera.back_map(*frame.corrected[on].T), axis=1) - frame.distorted[on]
     usual = float(np.sqrt(np.mean(residual**2) * 2)) if on.any() else 0.0
     wanted = _ARROW * step * part / max(usual, 1e-6)
@@ -107,11 +110,16 @@ def _residuals(picture, photo, frame, on, position, step, part, fixed):
         x, y = position[tuple(key)]
         cv2.arrowedLine(picture, fixed((x, y)), fixed((x + dx, y + dy)), (0, 0, 0), thick,
                         cv2.LINE_AA, _SHIFT, 0.25)
+    dropped = {tuple(key) for where, key in frame.gross if frame.numbers[where] == number}
     for key, (x, y) in position.items():
-        if key not in used and not photo.cut[(photo.index == key).all(axis=1)].any():
+        if key in dropped:
             for across, down in ((4 * scale, 4 * scale), (4 * scale, -4 * scale)):
                 cv2.line(picture, fixed((x - across, y - down)), fixed((x + across, y + down)),
                          (230, 0, 0), 2 * thick, cv2.LINE_AA, _SHIFT)
+        elif key not in used and not photo.cut[(photo.index == key).all(axis=1)].any():
+            cv2.rectangle(picture, fixed((x - 4 * scale, y - 4 * scale)),
+                          fixed((x + 4 * scale, y + 4 * scale)), _OUTSIDE, thick, cv2.LINE_AA,
+                          _SHIFT)
     text = f"arrows: {magnify} x the distance to the smooth lens, {usual:.2f} px rms"
     height, font = picture.shape[0], cv2.FONT_HERSHEY_SIMPLEX
     (wide, high), below = cv2.getTextSize(text, font, 0.5 * scale, thick)

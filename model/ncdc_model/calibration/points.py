@@ -12,13 +12,14 @@ from ncdc_spec.errors import InputError, reading
 from ncdc_spec.files import parse_text, write_text
 from ncdc_spec.geometry import MAX_SIZE
 
-__all__ = ["PAGES", "Fit", "PhotoPoints", "TARGETS", "TargetPoints", "VERSION"]
+__all__ = ["PAGES", "Fit", "PhotoPoints", "TARGETS", "TargetPoints", "VERSION",
+           "april_places"]
 
 VERSION = 1
 FIT_VERSION = 2         # of the smooth lens's fit: another one gives other numbers
 _XY_DIGITS, _AREA_DIGITS = 4, 1         # after the point, in the file
 PAGES = "", "flat", "relief"     # the target's shape, as the user states it
-TARGETS = ("dots", "circles", "acircles", "chessboard", "charuco")
+TARGETS = ("dots", "circles", "acircles", "chessboard", "charuco", "aprilgrid")
 
 
 @dataclass(frozen=True)
@@ -121,7 +122,8 @@ class TargetPoints:
     Parameters
     ----------
     target : str
-        dots, circles, acircles (staggered, the index counts half steps), chessboard or charuco.
+        dots, circles, acircles (staggered, the index counts half steps), chessboard, charuco or
+        aprilgrid (the index counts two corners a tag).
     size : (int, int)
         Width and height of the photos.
     photos : tuple of PhotoPoints
@@ -129,6 +131,11 @@ class TargetPoints:
         Why a photo was not used, by its name.
     aspect : float
         Distance of two rows over that of two columns on the target.
+    spacing : float, optional
+        Of an AprilGrid: gap between two tags in sides of a tag.
+    colour : dict, optional
+        Lateral colour of raw frames, see :mod:`ncdc_model.calibration.green_sites`. Not in the
+        file.
     choice : str
         The target found, and the number of photos with it, if none was named. Not in the file.
     target_size : (int, int), optional
@@ -155,6 +162,8 @@ class TargetPoints:
     target_size: tuple | None = None
     page: str = ""
     fits: tuple = ()
+    spacing: float | None = None
+    colour: dict | None = None
 
     def __post_init__(self):
         if self.page not in PAGES:
@@ -166,6 +175,10 @@ class TargetPoints:
                              f"and {MAX_SIZE}")
         if not 0.1 <= self.aspect <= 10:
             raise InputError(f"aspect is {self.aspect}, the limits are 0.1 and 10")
+        if (self.spacing is None) == (self.target == "aprilgrid") or not (
+                self.spacing is None or 0 < self.spacing <= 2):
+            raise InputError(f"spacing is {self.spacing}, an aprilgrid needs one between 0 and 2, "
+                             f"no other target has one")
         if not self.photos:
             raise InputError("there are points of 0 photos, at least 1 is needed")
         for photo in self.photos:
@@ -191,6 +204,13 @@ class TargetPoints:
             raise InputError(f"{photo.name}: point ({x:g}, {y:g}) lies outside the image of "
                              f"{self.size[0]}x{self.size[1]}")
 
+    def places(self, index):
+        """Places (n, 2) on the flat target of an ``index`` (n, 2), in steps from column to column;
+        of an AprilGrid in sides of a tag."""
+        if self.spacing is not None:
+            return april_places(index, self.spacing)
+        return index * (1.0, self.aspect)
+
     @property
     def columns(self):
         """Columns that the indices span, the largest of all photos."""
@@ -214,7 +234,8 @@ class TargetPoints:
     @property
     def digest(self):
         """Twelve hex digits of the hash of the image size, the indices and the points."""
-        about = self.target, tuple(self.size), *([self.aspect] if self.aspect != 1 else [])
+        about = (self.target, tuple(self.size), *([self.aspect] if self.aspect != 1 else []),
+                 *([self.spacing] if self.spacing is not None else []))
         state = hashlib.sha256(repr(about).encode())
         for photo in self.photos:
             state.update(np.asarray(photo.index).astype("<i8").tobytes())
@@ -247,6 +268,7 @@ class TargetPoints:
                 f'"columns": {self.columns}, "rows": {self.rows}',
                 f'"width": {self.size[0]}, "height": {self.size[1]}',
                 *([f'"page": {json.dumps(self.page)}'] if self.page else []),
+                *([f'"spacing": {self.spacing!r}'] if self.spacing is not None else []),
                 f'"rejected_photos": {json.dumps(self.rejected_photos)}',
                 '"photos": [\n' + ",\n".join(map(_photo_text, self.photos)) + "\n]"]
 
@@ -270,7 +292,8 @@ class TargetPoints:
             points = cls(target=table["target"], size=(int(table["width"]), int(table["height"])),
                          photos=tuple(map(_photo, table["photos"])),
                          rejected_photos=dict(table["rejected_photos"]),
-                         aspect=float(table.get("aspect", 1.0)), page=table.get("page", ""))
+                         aspect=float(table.get("aspect", 1.0)), page=table.get("page", ""),
+                         spacing=None if "spacing" not in table else float(table["spacing"]))
             if (points.columns, points.rows) != (table["columns"], table["rows"]):
                 raise InputError(f"columns and rows are {table['columns']} and {table['rows']}, "
                                  f"the indices span {points.columns} and {points.rows}")
@@ -284,6 +307,11 @@ class TargetPoints:
         fits = tuple(map(Fit.from_dict, table["fits"]))
         return fits if all(len(fit.vector) >= LENS and np.isfinite(fit.vector).all()
                            for fit in fits) else ()
+
+
+def april_places(index, spacing):
+    """Places (n, 2) of an AprilGrid's corners, two columns and rows a tag, in sides of a tag."""
+    return index // 2 * (1 + spacing) + index % 2
 
 
 def _rounded(values, digits):

@@ -21,14 +21,14 @@ _LARGEST = 1000        # steps of the lattice along one axis
 def points_csv(points, style):
     """CSV text of the :class:`TargetPoints` in one of :data:`STYLES`.
 
-    opencv : object point (x, y, 0), in steps from column to column of the target, and image
-        point, as ``cv2.calibrateCamera`` takes them.
+    opencv : object point (x, y, 0), in steps from column to column of the target (of an
+        AprilGrid in sides of a tag), and image point, as ``cv2.calibrateCamera`` takes them.
     discorpy : the points line by line as Discorpy groups them: horizontal lines from the top,
         each from the left, then vertical lines from the left, each from the top; y before x.
     """
     header, rows = STYLES[style]
     lines = [",".join(map(str, row)) for photo in points.photos
-             for row in rows(photo.whole, points.aspect)]
+             for row in rows(photo.whole, points)]
     return "\n".join([header, *lines]) + "\n"
 
 
@@ -37,13 +37,13 @@ def save_csv(path, points, style):
     write_text(path, points_csv(points, style))
 
 
-def _correspondences(photo, aspect):
-    for (column, row), (x, y) in zip(photo.index, photo.xy):
-        down = row if aspect == 1 else f"{row * aspect:.9g}"
-        yield _quoted(photo.name), column, down, 0, f"{x:.4f}", f"{y:.4f}"
+def _correspondences(photo, points):
+    for place, (x, y) in zip(points.places(photo.index), photo.xy):
+        right, down = (f"{part:.9g}" for part in place)
+        yield _quoted(photo.name), right, down, 0, f"{x:.4f}", f"{y:.4f}"
 
 
-def _lines(photo, aspect):
+def _lines(photo, points):
     for direction, along, across in (("horizontal", 0, 1), ("vertical", 1, 0)):
         order = np.lexsort((photo.index[:, along], photo.index[:, across]))
         for k in order:

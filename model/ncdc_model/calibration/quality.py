@@ -49,7 +49,8 @@ def warnings_of(points, frame, measured):
     ``measured``: result of :func:`ncdc_model.calibration.measure.measure_smooth` for the frame.
     """
     found, scatter = [], measured["repeatability_px"]
-    unsure = _UNSURE_CORNERS if points.target in ("chessboard", "charuco") else _UNSURE
+    unsure = _UNSURE_CORNERS if points.target in ("chessboard", "charuco",
+                                                          "aprilgrid") else _UNSURE
     for photo in points.photos:
         if photo.agreement > unsure:
             found.append(f"{photo.name}: points usually lie {photo.agreement:.2f} px from where "

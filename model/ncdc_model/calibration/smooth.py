@@ -11,10 +11,10 @@ from ncdc_model.calibration.smooth_vector import FLAWS, camera_of, planes_of, pr
 from ncdc_model.lens import Camera
 from ncdc_spec.errors import InputError
 
-__all__ = ["MIN_POINTS", "SmoothFit", "fit_smooth", "misfit"]
-
+__all__ = ["MIN_POINTS", "SmoothFit", "fit_smooth", "misfit", "rough_lens"]
 
 _ROUGH = 0.1           # pixels: usual residual that a rough fit may leave
+_FEW = 200             # points of a photo that it is fitted to
 
 
 @dataclass(frozen=True)
@@ -152,3 +152,20 @@ def misfit(size, photos):
     return float(np.median(np.concatenate([
         np.linalg.norm(fit.pixels(k, index) - xy, axis=1)
         for k, (index, xy) in enumerate(photos)])))
+
+
+def rough_lens(size, places, xy, limit):
+    """Rough :class:`SmoothFit` to one photo's points, or None if it leaves more than ``limit``.
+
+    ``limit``: pixels, of half of the points. The lens is fitted to 200 of them.
+    """
+    if len(xy) < MIN_POINTS:
+        return None
+    tried = np.random.default_rng(1).permutation(len(xy))[:_FEW]
+    try:
+        fit = fit_smooth(size, [(places[tried], xy[tried])], rough=True)
+        positions = fit.pixels(0, places)
+    except (InputError, np.linalg.LinAlgError):
+        return None
+    off = np.median(np.linalg.norm(positions - xy, axis=1))
+    return fit if off < limit and np.isfinite(positions).all() else None

@@ -5,7 +5,7 @@ import numpy as np
 
 from ncdc_model.calibration.sampling import bilinear
 
-__all__ = ["edge_blur", "gaps", "refine"]
+__all__ = ["by_edges", "edge_blur", "gaps", "refine"]
 
 _SCALE = 1.0, 2.0      # pixels: smallest and largest Gaussian that a corner is found at
 _PART = 0.09           # the same, in parts of the distance to the nearest corner
@@ -23,14 +23,15 @@ _RINGS = 0.35, 0.13    # of the distance to the nearest corner: radius at which 
 _SAMPLES = 96          # on the ring
 
 
-def refine(grey, index, xy, scale, margin=None):
+def refine(grey, index, xy, scale, plain=None):
     """Saddle points of the brightness near first positions of corners.
 
     A corner looks the same after half a turn, however much it is blurred. So its position is the
     saddle of the smoothed brightness at every scale. A parabola is fitted to nine samples one scale
     apart, and moved to where it is level, until it stays. If the position at twice the scale is
     another, the squares are lit unevenly: then the edges determine a sharp corner's position.
-    A corner without a saddle, or that moves by more than ``scale`` and a pixel, is not changed.
+    A corner without a saddle, or that moves by more than ``scale`` and a pixel, is not changed, or
+    is not-a-number if ``plain`` is given.
 
     Parameters
     ----------
@@ -39,23 +40,24 @@ def refine(grey, index, xy, scale, margin=None):
         Column and row, and first positions.
     scale : float
         Blur in pixels at which the corners were found.
-    margin : float, optional
-        Parts of the distance between corners that the squares are plain around a corner: beyond
-        it lie markers, which must not enter the smoothed brightness. Default: they are all plain.
+    plain : ndarray, shape (n,), optional
+        Pixels around each corner within which there is nothing but its squares: a marker beyond
+        must not enter the smoothed brightness. Default: the squares are plain.
 
     Returns
     -------
     ndarray, shape (n, 2)
     """
-    if len(xy) < 2:
+    if plain is None and len(xy) < 2:
         return xy
-    near = gaps(index, xy)
-    if margin is None:
+    lost = xy if plain is None else np.full_like(xy, np.nan, np.float64)
+    if plain is None:
+        near = gaps(index, xy)
         sigma, plain = np.clip(_PART * near, *_SCALE), near / 3
         other = _TWICE * sigma
     else:
         # A marker would enter the second scale, if it were the larger one.
-        plain = margin * near
+        near = 3 * plain
         sigma = np.clip(_OF_MARGIN * plain, _FINE, _SCALE[1])
         other = np.maximum(sigma / _TWICE, _FINE)
     corner, light = _around(grey, xy, max(sigma.max(), other.max()))
@@ -67,9 +69,9 @@ def refine(grey, index, xy, scale, margin=None):
     uneven = found & ~(still & (np.linalg.norm(again - moved, axis=1) < apart))
     if uneven.any():
         uneven[uneven] = ~(edge_blur(grey, xy[uneven], near[uneven]) >= _SHARP)
-        moved[uneven] = _by_edges(grey, xy[uneven], plain[uneven])
+        moved[uneven] = by_edges(grey, xy[uneven], plain[uneven])
     good = found & (np.linalg.norm(moved - xy, axis=1) <= 1 + scale)
-    return np.where(good[:, None], moved, xy)
+    return np.where(good[:, None], moved, lost)
 
 
 def _around(grey, xy, scale):
@@ -83,7 +85,7 @@ def _around(grey, xy, scale):
                                        left:max(right, left + 1)].astype(np.float32)
 
 
-def _by_edges(grey, xy, plain):
+def by_edges(grey, xy, plain):
     """Positions (n, 2) of the corners by OpenCV's ``cornerSubPix``, which uses the edges.
 
     ``plain``: pixels (n,) to either side that hold nothing else.

@@ -10,6 +10,7 @@ from ncdc_spec.geometry import MAX_SIZE, Geometry
 __all__ = ["Frame", "choose_frame", "parse_zoom"]
 
 MAX_STRETCH = 8.0      # a frame that magnifies the middle less than 1/8 is blurred at its edge
+_USEFUL = 75, 70, 65, 60, 50, 40, 30     # degrees from the axis that a flat picture may show
 _OFF = {True: 1 / 20, False: 1 / 6}    # of the image's sides, by whether zoom is a number: largest
                                        # distance of a frame's centre, see choose_frame
 
@@ -102,16 +103,39 @@ def choose_frame(to_ideal, to_distorted, distorted_size, size, zoom="fit"):
         return frame(zoom * magnification)
     if not np.isfinite(a[:2]).all():
         raise InputError(f"zoom {zoom} needs a position in the flat picture for the left and right "
-                         f"edges of the image, which this lens sees at 90 degrees or more")
+                         f"edges of the image, which this lens sees at 90 degrees or more; "
+                         f"{_instead(frame, magnification, to_distorted, distorted_size)}")
     fit = frame((width - 1) / ((a[1] - a[0]) if between else
                                2 * max(middle[0] - a[0], a[1] - middle[0])))
     if zoom == "fit":
         shrink = magnification / fit.focal * (width / dw)
         if shrink > MAX_STRETCH:
             raise InputError(f"zoom fit would shrink the middle of the image {shrink:.1f} times, "
-                             f"the limit is {MAX_STRETCH:g}; give the zoom as a number")
+                             f"the limit is {MAX_STRETCH:g}; "
+                             f"{_instead(frame, magnification, to_distorted, distorted_size)}")
         return fit
     return frame(_fill(frame, to_distorted, geometry, fit.focal))
+
+
+def _instead(frame, magnification, to_distorted, distorted_size):
+    """What to do about a lens that is too wide: text with a zoom at which the frame's left and
+    right edges show what the image has, as far from the middle as is useful."""
+    for degrees in _USEFUL:
+        (width, height), reach = frame(1.0).size, np.tan(np.radians(degrees))
+        zoom = float(f"{(width - 1) / 2 / reach / magnification:.1g}")
+        u, v = np.array([0.0, width - 1]), np.full(2, (height - 1) / 2)
+        x, y = to_distorted(*frame(zoom * magnification).ideal(u, v))
+        limits = np.array(distorted_size) - 1
+        if ((x >= 0) & (x <= limits[0]) & (y >= 0) & (y <= limits[1])).all():
+            shown = _degrees(frame(zoom * magnification))
+            return f"--zoom {zoom:g} shows {shown:.0f} degrees from left to right"
+    return "give --zoom as a number"
+
+
+def _degrees(frame):
+    """Angle between the left and right edges of a :class:`Frame`."""
+    (left, right), _ = frame.ideal(np.array([0.0, frame.size[0] - 1]), 0.0)
+    return np.degrees(np.arctan(right) - np.arctan(left))
 
 
 def _distance(to_distorted, point, size):

@@ -14,6 +14,7 @@ from ncdc_model.calibration.focus import dot_blur
 from ncdc_model.calibration.lattice import find_lattices
 from ncdc_model.calibration.smooth_problem import MIN_POINTS
 from ncdc_model.calibration.subpixel import edge_blur, gaps
+from ncdc_model.calibration.tags import find_tags
 from ncdc_spec.errors import InputError
 
 __all__ = ["Sighting", "may_show", "sighting_of"]
@@ -65,6 +66,8 @@ def may_show(image, target):
     if kind in ("auto", "dots", "circles", "acircles") and (_shows_dots(grey)
                                                             or _shows_dots(255 - grey)):
         return True
+    if kind in ("auto", "aprilgrid") and find_tags(grey) is not None:
+        return True
     return kind in ("auto", "charuco") and sees_markers(grey)
 
 
@@ -96,5 +99,5 @@ def sighting_of(image, target):
             edge_blur(grey, photo.xy, gaps(photo.index, photo.xy)))
     usual = float(np.nanmedian(blur)) if np.isfinite(blur).any() else np.nan
     size = "" if points.target_size is None else "{}x{}".format(*points.target_size)
-    return Sighting(f"{points.target}:{size}".rstrip(":"), photo.index * (1.0, points.aspect),
+    return Sighting(f"{points.target}:{size}".rstrip(":"), points.places(photo.index),
                     (photo.xy + .5) * scale - .5, usual * float(np.mean(scale)))
