@@ -2,8 +2,9 @@
 
 Held-out points lie among the others. They do not measure the map between the outermost points and
 the border of the picture, nor do they find the largest error. So the true map is estimated
-everywhere: it is the smooth lens plus a Gaussian process regression ("kriging") of its residuals at
-the points. The regression also gives its own uncertainty, which counts as error.
+everywhere: it is the :mod:`~ncdc_model.calibration.free_lens` plus a Gaussian process regression
+("kriging") of its residuals at the points. What both leave open counts as error: beyond the
+outermost points mostly the form of the lens.
 """
 
 from dataclasses import dataclass
@@ -11,11 +12,12 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
+from ncdc_model.calibration.free_lens import free_lens
 from ncdc_model.mask_border import border_pixels
 from ncdc_model.nearest import Nearest
 from ncdc_model.training.problem import spread
 
-__all__ = ["Region", "region_of"]
+__all__ = ["Estimate", "Region", "region_of"]
 
 _STEP = 144            # parts of the longer side: distance of the compared pixels
 _BORDER = 4000         # compared pixels along the border of the region, where errors are largest
@@ -25,6 +27,7 @@ _BATCH = 64            # regressions at a time: their matrices stay in the cache
 _LENGTHS = 2.0 ** np.arange(-1, 6)      # scales of the residual, in typical distances of points
 _NOISES = 4.0 ** np.arange(-7, 4)       # variance of the points over that of the residual
 _SIGMAS = 3.0          # standard deviations of the estimate that the largest error includes
+_LARGE = 4096          # positions at a time: bounds the memory
 _BETWEEN = 1.03        # times the largest error: allowance for peaks between the compared pixels
 
 
@@ -101,6 +104,38 @@ class Region:
         return off - terms @ solution
 
 
+class Estimate:
+    """The true map as the points show it.
+
+    Parameters
+    ----------
+    frame : ncdc_model.calibration.frame.IdealFrame
+    u, v : ndarray, shape (n,)
+        Corrected pixels, some of them as far off the axis as the map is asked for.
+    """
+
+    def __init__(self, frame, u, v):
+        a, b = frame.camera.frame.ideal(u, v)
+        self._frame = frame
+        self.lens = free_lens(frame, float(np.arctan(np.hypot(a, b).max())))
+        seen, points = self.lens.seen, frame.distorted
+        usable = np.abs(points - seen).max(axis=1) < max(frame.camera.size)
+        self.points = points[usable]
+        self._regression = _Regression(seen[usable], self.points - seen[usable])
+
+    def __call__(self, u, v):
+        """Sources (n, 2) of corrected pixels, and the standard deviation (n,) of x and of y."""
+        at, deviation = np.empty((len(u), 2)), np.empty(len(u))
+        for start in range(0, len(u), _LARGE):
+            part = slice(start, start + _LARGE)
+            a, b = self._frame.camera.frame.ideal(u[part], v[part])
+            seen = self.lens.pixels(a, b)
+            mean, deviation[part] = self._regression(seen)
+            at[part] = seen + mean
+            deviation[part] = np.hypot(deviation[part], self.lens.deviation(a, b))
+        return at, deviation
+
+
 def region_of(frame, inside):
     """:class:`Region` of the corrected picture of an :class:`IdealFrame`.
 
@@ -110,15 +145,10 @@ def region_of(frame, inside):
     inside : ndarray of bool, shape (height, width)
         Corrected pixels with a source by the smooth lens of ``frame``.
     """
-    smooth = frame.camera.back_map
     u, v, border = _pixels(inside)
-    at = np.stack(smooth(u, v), axis=1)
-    known = np.stack(smooth(*frame.corrected.T), axis=1)
-    usable = np.isfinite(known).all(axis=1)
-    known, rest = known[usable], (frame.distorted - known)[usable]
-    mean, sigma = _regression(known, rest, at)
-    x, y = (at + mean).T
-    return Region(u, v, x, y, sigma, ~_inside(known + rest, np.stack([x, y], axis=1)), border)
+    estimate = Estimate(frame, u, v)
+    at, sigma = estimate(u, v)
+    return Region(u, v, *at.T, sigma, ~_inside(estimate.points, at), border)
 
 
 def _pixels(valid):
@@ -132,23 +162,30 @@ def _pixels(valid):
     return np.concatenate([even[0], columns]), np.concatenate([even[1], rows]), border
 
 
-def _regression(known, rest, at):
-    """Mean (m, 2) and standard deviation (m,) at ``at`` (m, 2) of a Gaussian process through
-    ``rest`` (n, 2) at ``known`` (n, 2), from the nearest points of each position."""
-    length, noise, variance = _scales(known, rest)
-    count = min(_NEAR, len(known))
-    distance, near = Nearest(known).query(at, count)
-    mean, sigma = np.empty_like(at), np.empty(len(at))
-    for start in range(0, len(at), _BATCH):
-        block = slice(start, start + _BATCH)
-        x, y = known[near[block]].transpose(2, 0, 1)
-        among = np.sqrt((x[:, :, None] - x[:, None])**2 + (y[:, :, None] - y[:, None])**2)
-        matrix = _covariance(among, length) + noise * np.eye(count)
-        to = _covariance(distance[block], length)
-        weight = np.linalg.solve(matrix, to[:, :, None])[:, :, 0]
-        mean[block] = np.einsum("nk,nkd->nd", weight, rest[near[block]])
-        sigma[block] = np.sqrt(np.maximum(variance * (1 - (weight * to).sum(axis=1)), 0))
-    return mean, sigma
+class _Regression:
+    """A Gaussian process through ``rest`` (n, 2) at ``known`` (n, 2)."""
+
+    def __init__(self, known, rest):
+        self._known, self._rest, self._nearest = known, rest, Nearest(known)
+        self._length, self._noise, self._variance = _scales(known, rest)
+
+    def __call__(self, at):
+        """Mean (m, 2) and standard deviation (m,) at ``at`` (m, 2), from the nearest points of each
+        position."""
+        count = min(_NEAR, len(self._known))
+        distance, near = self._nearest.query(at, count)
+        mean, sigma = np.empty_like(at), np.empty(len(at))
+        for start in range(0, len(at), _BATCH):
+            block = slice(start, start + _BATCH)
+            x, y = self._known[near[block]].transpose(2, 0, 1)
+            among = np.sqrt((x[:, :, None] - x[:, None])**2 + (y[:, :, None] - y[:, None])**2)
+            matrix = _covariance(among, self._length) + self._noise * np.eye(count)
+            to = _covariance(distance[block], self._length)
+            weight = np.linalg.solve(matrix, to[:, :, None])[:, :, 0]
+            mean[block] = np.einsum("nk,nkd->nd", weight, self._rest[near[block]])
+            sigma[block] = np.sqrt(np.maximum(
+                self._variance * (1 - (weight * to).sum(axis=1)), 0))
+        return mean, sigma
 
 
 def _covariance(distance, length):
