@@ -16,8 +16,9 @@ from ncdc_model.calibration.free_lens import free_lens
 from ncdc_model.mask_border import border_pixels
 from ncdc_model.nearest import Nearest
 from ncdc_model.training.problem import spread
+from ncdc_spec.errors import InputError
 
-__all__ = ["Estimate", "Region", "region_of"]
+__all__ = ["Region", "region_of"]
 
 _STEP = 144            # parts of the longer side: distance of the compared pixels
 _BORDER = 4000         # compared pixels along the border of the region, where errors are largest
@@ -27,6 +28,9 @@ _BATCH = 64            # regressions at a time: their matrices stay in the cache
 _LENGTHS = 2.0 ** np.arange(-1, 6)      # scales of the residual, in typical distances of points
 _NOISES = 4.0 ** np.arange(-7, 4)       # variance of the points over that of the residual
 _SIGMAS = 3.0          # standard deviations of the estimate that the largest error includes
+_UNSURE, _UNSURE_PIXELS = 1 / 1280, 0.5     # of the width, and at least: is warned of
+_MOST = 0.5, 0.75      # of the pixels beyond the points: is named as the side, or as both sides
+_LEFT = 0.05           # of the frame, which a limit of the uncertainty must leave
 _LARGE = 4096          # positions at a time: bounds the memory
 _BETWEEN = 1.03        # times the largest error: allowance for peaks between the compared pixels
 
@@ -47,6 +51,10 @@ class Region:
         Whether a pixel lies beyond the outermost points.
     border : ndarray of bool, shape (n,)
         Pixels on the border, which are denser than the others and count for the largest error only.
+    taught : ndarray, shape (n, 2)
+        The sources by the smooth lens, which a network follows beyond the points.
+    certain : ndarray of bool, shape (height, width), or None
+        Corrected pixels that are known as well as was asked for; None if nothing was.
     """
     u: np.ndarray
     v: np.ndarray
@@ -55,11 +63,66 @@ class Region:
     sigma: np.ndarray
     beyond: np.ndarray
     border: np.ndarray
+    taught: np.ndarray
+    certain: np.ndarray | None = None
 
     @property
     def beyond_part(self):
         """Part of the region that lies beyond the outermost points."""
         return float(self.beyond[~self.border].mean()) if (~self.border).any() else 0.0
+
+    @property
+    def uncertain(self):
+        """Pixels by which a map that follows the smooth lens may be off beyond the outermost
+        points, at worst."""
+        off = np.hypot(*(self.taught - np.stack([self.x, self.y], axis=1)).T)
+        return float((off + _SIGMAS * self.sigma)[self.beyond].max(initial=0))
+
+    def warning(self, width):
+        """A sentence on the error beyond the points of photos of so many columns; empty if it is
+        known well."""
+        if self.uncertain <= max(_UNSURE * width, _UNSURE_PIXELS):
+            return ""
+        return (f"{100 * self.beyond_part:.0f} % of the picture lies beyond the outermost points, "
+                f"{self._side()}; its error is not known better than "
+                f"{float(f'{self.uncertain:.2g}'):g} px. Points nearer to the border determine it; "
+                f"--blank-beyond PX leaves out what is less certain than PX")
+
+    def _side(self):
+        """Where the pixels beyond the points are, in words."""
+        here = self.beyond & ~self.border if (self.beyond & ~self.border).any() else self.beyond
+        x, y = ((values[here], values[~self.beyond]) for values in (self.x, self.y))
+        if not len(x[1]):
+            return "all of it"
+        over = [x[1].min() - x[0], x[0] - x[1].max(), y[1].min() - y[0], y[0] - y[1].max()]
+        share = np.bincount(np.argmax(over, axis=0), minlength=4) / here.sum()
+        first, second = np.argsort(-share, kind="stable")[:2]
+        names = "on the left", "on the right", "at the top", "at the bottom"
+        if share[first] > _MOST[0]:
+            return f"most of it {names[first]}"
+        if share[first] + share[second] > _MOST[1]:
+            first, second = sorted((first, second))
+            return f"most of it {names[first]} and {names[second]}"
+        return "on all sides"
+
+    def learnt(self, back_map):
+        """The largest error, in pixels, of what a network can learn.
+
+        Among the points that is the map, with what they leave open. Beyond the points it is the
+        smooth lens: that this may be wrong does not depend on the network.
+        """
+        goal = np.where(self.beyond[:, None], self.taught, np.stack([self.x, self.y], axis=1))
+        off = np.linalg.norm(np.stack(back_map(self.u, self.v), axis=1) - goal, axis=1)
+        return float((_BETWEEN * off + np.where(self.beyond, 0, _SIGMAS * self.sigma)).max())
+
+    def bound(self, back_map, size):
+        """The largest error at each pixel of a corrected picture of ``size``: (height, width), of
+        the nearest compared pixel; not-a-number where none is near."""
+        off = np.hypot(*np.subtract(back_map(self.u, self.v), (self.x, self.y)))
+        step = _step(size)
+        even, picture = ~self.border, np.full((-(-size[1] // step), -(-size[0] // step)), np.nan)
+        picture[self.v[even] // step, self.u[even] // step] = (off + _SIGMAS * self.sigma)[even]
+        return np.repeat(np.repeat(picture, step, axis=0), step, axis=1)[:size[1], :size[0]]
 
     def errors(self, back_map, smooth_map=None):
         """Error of ``back_map``, (u, v) -> (x, y), in the region, and beyond the points alone.
@@ -104,24 +167,15 @@ class Region:
         return off - terms @ solution
 
 
-class Estimate:
-    """The true map as the points show it.
+class _Estimate:
+    """The true map as the points of ``frame`` show it, up to the view angle ``largest``."""
 
-    Parameters
-    ----------
-    frame : ncdc_model.calibration.frame.IdealFrame
-    u, v : ndarray, shape (n,)
-        Corrected pixels, some of them as far off the axis as the map is asked for.
-    """
-
-    def __init__(self, frame, u, v):
-        a, b = frame.camera.frame.ideal(u, v)
-        self._frame = frame
-        self.lens = free_lens(frame, float(np.arctan(np.hypot(a, b).max())))
-        seen, points = self.lens.seen, frame.distorted
+    def __init__(self, frame, largest):
+        self._frame, self._lens = frame, free_lens(frame, largest)
+        seen, points = self._lens.seen, frame.distorted
         usable = np.abs(points - seen).max(axis=1) < max(frame.camera.size)
         self.points = points[usable]
-        self._regression = _Regression(seen[usable], self.points - seen[usable])
+        self._rest = _Regression(seen[usable], self.points - seen[usable])
 
     def __call__(self, u, v):
         """Sources (n, 2) of corrected pixels, and the standard deviation (n,) of x and of y."""
@@ -129,14 +183,32 @@ class Estimate:
         for start in range(0, len(u), _LARGE):
             part = slice(start, start + _LARGE)
             a, b = self._frame.camera.frame.ideal(u[part], v[part])
-            seen = self.lens.pixels(a, b)
-            mean, deviation[part] = self._regression(seen)
+            seen = self._lens.pixels(a, b)
+            mean, deviation[part] = self._rest(seen)
             at[part] = seen + mean
-            deviation[part] = np.hypot(deviation[part], self.lens.deviation(a, b))
+            deviation[part] = np.hypot(deviation[part], self._lens.deviation(a, b))
         return at, deviation
 
+    def beyond(self, at):
+        """Whether sources (n, 2) lie beyond the outermost points."""
+        return ~_inside(self.points, at)
 
-def region_of(frame, inside):
+    def certain(self, size, limit):
+        """Corrected pixels (height, width) that are known to ``limit`` pixels, where a map learns
+        the points, and beyond them follows the smooth lens."""
+        (width, height), step = size, _step(size)
+        rows, columns = (np.arange(-(-side // step)) * step + (step - 1) / 2
+                         for side in (height, width))
+        v, u = (values.ravel() for values in np.meshgrid(rows, columns, indexing="ij"))
+        at, deviation = self(u, v)
+        off = np.hypot(*(at - np.stack(self._frame.camera.back_map(u, v), axis=1)).T)
+        doubt = np.nan_to_num(_SIGMAS * deviation + off * self.beyond(at), nan=np.inf)
+        coarse = np.minimum(doubt / limit, 2).reshape(len(rows), len(columns))
+        return cv2.resize(coarse, None, fx=step, fy=step,
+                          interpolation=cv2.INTER_LINEAR)[:height, :width] <= 1
+
+
+def region_of(frame, inside, limit=None):
     """:class:`Region` of the corrected picture of an :class:`IdealFrame`.
 
     Parameters
@@ -144,16 +216,37 @@ def region_of(frame, inside):
     frame : ncdc_model.calibration.frame.IdealFrame
     inside : ndarray of bool, shape (height, width)
         Corrected pixels with a source by the smooth lens of ``frame``.
+    limit : float, optional
+        Pixels: the region leaves out what is less certain.
+
+    Raises
+    ------
+    InputError
+        If ``limit`` leaves less than a twentieth of the picture.
     """
     u, v, border = _pixels(inside)
-    estimate = Estimate(frame, u, v)
+    a, b = frame.camera.frame.ideal(u, v)
+    estimate, certain = _Estimate(frame, float(np.arctan(np.hypot(a, b).max()))), None
+    if limit is not None:
+        certain = estimate.certain(inside.shape[::-1], limit)
+        left = float((inside & certain).mean())
+        if left < _LEFT:
+            raise InputError(f"{100 * left:.1f} % of the corrected frame is known to {limit:g} px "
+                             f"or better, {100 * _LEFT:.0f} % is the limit: blank beyond more")
+        u, v, border = _pixels(inside & certain)
     at, sigma = estimate(u, v)
-    return Region(u, v, *at.T, sigma, ~_inside(estimate.points, at), border)
+    return Region(u, v, *at.T, sigma, estimate.beyond(at), border,
+                  np.stack(frame.camera.back_map(u, v), axis=1), certain)
+
+
+def _step(size):
+    """Distance of the compared pixels."""
+    return max(1, round(max(size) / _STEP))
 
 
 def _pixels(valid):
     """Columns and rows of a grid of ``valid`` pixels and of their border, and which are these."""
-    step = max(1, round(max(valid.shape) / _STEP))
+    step = _step(valid.shape)
     rows, columns = border_pixels(valid, _BORDER)
     start = step // 2
     rows_even, columns_even = np.nonzero(valid[start::step, start::step])
