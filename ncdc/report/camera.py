@@ -90,7 +90,8 @@ def accuracy_section(descriptor, camera, frame=None, region=None):
     else:
         text += (" The second picture has the largest error that is to be expected at each pixel, "
                  "with what the points leave open: beyond the outermost ones it is mostly that.")
-        bound = region.bound(fixed_map(descriptor), descriptor.geometry.corrected)
+        bound = region.bound(fixed_map(descriptor), descriptor.valid.mask(
+            descriptor.geometry.corrected_width))
         pictures.append(embedded_plot(plot_error_map, bound, "integer network, largest error "
                                       "expected"))
     if frame is not None:

@@ -27,6 +27,7 @@ _NEAR = 32             # nearest points in each regression
 _BATCH = 64            # regressions at a time: their matrices stay in the cache
 _LENGTHS = 2.0 ** np.arange(-1, 6)      # scales of the residual, in typical distances of points
 _NOISES = 4.0 ** np.arange(-7, 4)       # variance of the points over that of the residual
+_NOTHING = 1e-8        # variance over the noise of a process that is none
 _SIGMAS = 3.0          # standard deviations of the estimate that the largest error includes
 _UNSURE, _UNSURE_PIXELS = 1 / 1280, 0.5     # of the width, and at least: is warned of
 _MOST = 0.5, 0.75      # of the pixels beyond the points: is named as the side, or as both sides
@@ -115,14 +116,15 @@ class Region:
         off = np.linalg.norm(np.stack(back_map(self.u, self.v), axis=1) - goal, axis=1)
         return float((_BETWEEN * off + np.where(self.beyond, 0, _SIGMAS * self.sigma)).max())
 
-    def bound(self, back_map, size):
-        """The largest error at each pixel of a corrected picture of ``size``: (height, width), of
-        the nearest compared pixel; not-a-number where none is near."""
+    def bound(self, back_map, valid):
+        """The largest error of a map at the pixels ``valid`` (height, width), each as that of the
+        nearest compared pixel: (height, width), not-a-number elsewhere."""
         off = np.hypot(*np.subtract(back_map(self.u, self.v), (self.x, self.y)))
-        step = _step(size)
-        even, picture = ~self.border, np.full((-(-size[1] // step), -(-size[0] // step)), np.nan)
+        step, even = _step(valid.shape), ~self.border
+        picture = np.full(tuple(-(-side // step) for side in valid.shape), np.nan)
         picture[self.v[even] // step, self.u[even] // step] = (off + _SIGMAS * self.sigma)[even]
-        return np.repeat(np.repeat(picture, step, axis=0), step, axis=1)[:size[1], :size[0]]
+        whole = np.repeat(np.repeat(picture, step, axis=0), step, axis=1)
+        return np.where(valid, whole[:valid.shape[0], :valid.shape[1]], np.nan)
 
     def errors(self, back_map, smooth_map=None):
         """Error of ``back_map``, (u, v) -> (x, y), in the region, and beyond the points alone.
@@ -288,20 +290,27 @@ def _covariance(distance, length):
 
 
 def _scales(known, rest):
-    """Length in pixels, noise over variance, and variance, of maximum likelihood."""
+    """Length in pixels, noise over variance, and variance, of maximum likelihood.
+
+    Where no process explains ``rest`` better than noise alone, by more than its two parameters are
+    worth (Schwarz's criterion), there is none.
+    """
     some = spread(len(known), _SOME)
     known, rest = known[some], rest[some]
     distance = np.linalg.norm(known[:, None] - known, axis=2)
     pitch = float(np.median(np.sort(distance, axis=1)[:, min(1, len(known) - 1)]))
-    best = None
+    alone = max(float((rest**2).mean()), 1e-18)
+    count = 2 * len(known)
+    best = (count * np.log(alone) - 2 * np.log(count), max(pitch, 1.0), 1 / _NOTHING,
+            alone * _NOTHING)
     for length in _LENGTHS * max(pitch, 1.0):
         values, vectors = np.linalg.eigh(_covariance(distance, length))
         turned = ((vectors.T @ rest)**2).sum(axis=1)
         for noise in _NOISES:
             spectrum = np.maximum(values, 0) + noise
             variance = float((turned / spectrum).mean() / 2)
-            cost = 2 * len(known) * np.log(max(variance, 1e-18)) + 2 * np.log(spectrum).sum()
-            if best is None or cost < best[0]:
+            cost = count * np.log(max(variance, 1e-18)) + 2 * np.log(spectrum).sum()
+            if cost < best[0]:
                 best = cost, length, noise, variance
     return best[1:]
 
