@@ -188,7 +188,9 @@ def _blanked(source, args):
         raise InputError(f"--blank-beyond is {limit:g}, a positive number of pixels is needed")
     if source.frame is None:
         raise InputError(f"--blank-beyond is for points, {args.source[0]} holds the map itself")
-    return replace(source, blank_beyond=limit)
+    source = replace(source, blank_beyond=limit)
+    _ = source.region           # rejects a limit that leaves nothing, before the training
+    return source
 
 
 def _print_report(args, source, report):
