@@ -76,7 +76,7 @@ def true_error(back_map, u, v):
 
 def test_the_slopes_are_those_of_the_pixels():
     radial, rng = free_lens._Radial(1.1), np.random.default_rng(2)
-    vector = np.concatenate([[np.log(350.0), 310, 250], 0.01 * rng.normal(size=3), np.zeros(5),
+    vector = np.concatenate([[np.log(350.0), 310, 250], 0.01 * rng.normal(size=3), np.zeros(9),
                              [.001, -.002, .1, .2, .001, .002, .02, -.03, .01, .005],
                              [.1, -.2, .05, -3, -2, 9]])
     cells, owner = rng.uniform(0, 8, (30, 2)), np.zeros(30, int)

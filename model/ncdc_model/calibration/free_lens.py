@@ -18,7 +18,7 @@ from numpy.polynomial import chebyshev
 from ncdc_model.calibration.descent import descend
 from ncdc_model.calibration.smooth_derivatives import derivatives
 from ncdc_model.calibration.smooth_vector import LENS, TERMS, lens_of, planes_of, project
-from ncdc_model.lens import KannalaBrandt
+from ncdc_model.lens import BrownWeng, KannalaBrandt
 from ncdc_model.training.problem import spread
 
 __all__ = ["FreeLens", "free_lens"]
@@ -27,13 +27,15 @@ _RADIAL = 8            # odd Chebyshev polynomials of the angle, from the third 
 # Their usual size over the radius at the largest angle: of the first, and of each over the one
 # before. Those of the families fall by a factor of 3 to 7.
 _FIRST, _FALL = 0.06, 0.3
-_SIZED = slice(3, 3 + _RADIAL)           # of the vector
+_FORM = 4              # further terms: two of the decentring, one of the thin prism on each axis
+_SIZED, _FORMED = slice(3, 3 + _RADIAL), slice(3 + _RADIAL, 3 + _RADIAL + _FORM)   # of the vector
 _ANGLES = 60           # at which the nearest smooth lens is found
-_SHARED = LENS - TERMS + _RADIAL        # parameters but those of the poses
-# Usual sizes of the others: focal length (its logarithm, in widths), centre (in widths),
-# decentring and its higher terms, thin prism, tilt, aspect, ratio of the target's distances.
-_SIZES = np.array([0.4, 0.05, 0.05, *_FIRST * _FALL ** np.arange(_RADIAL), 0.005, 0.005, 0.5, 0.5,
-                   0.003, 0.003, 0.05, 0.05, 0.03, 0.01])
+_SHARED = LENS - TERMS + _RADIAL + _FORM  # parameters but those of the poses
+# Usual sizes of the others: focal length (its logarithm, in widths), centre (in widths), the
+# further terms, decentring and its higher terms, thin prism, tilt, aspect, ratio of the target's
+# distances.
+_SIZES = np.array([0.4, 0.05, 0.05, *_FIRST * _FALL ** np.arange(_RADIAL), 0.7, 0.5, 0.003, 0.003,
+                   0.005, 0.005, 1.0, 1.0, 0.003, 0.003, 0.05, 0.05, 0.03, 0.01])
 _MIDDLE = np.log(0.5)  # of the focal length's logarithm
 _SOME = 500            # points that are used
 _ROBUST = 6.0          # standard deviations: larger residuals count linearly
@@ -52,7 +54,8 @@ class FreeLens:
     radial : _Radial
         What its radial parameters mean.
     vector : ndarray
-        Logarithm of the focal length, centre, radial parameters, then as in
+        Logarithm of the focal length, centre, radial parameters, two more terms of the decentring
+        and the higher ones of the thin prism, then as in
         :mod:`ncdc_model.calibration.smooth_vector`.
     modes : ndarray, shape (m, m)
         Independent changes of all parameters but those of the poses, each of the size of its
@@ -137,7 +140,8 @@ class _Problem:
         self.cells = cells[:, :2] / cells[:, 2:]
         self.radial = _Radial(largest)
         radial = np.linalg.solve(self.radial.terms, np.pad(fit[3:3 + TERMS], (0, _RADIAL - TERMS)))
-        self.start = np.concatenate([[np.log(fit[0])], fit[1:3], radial, fit[3 + TERMS:]])
+        self.start = np.concatenate([[np.log(fit[0])], fit[1:3], radial, np.zeros(_FORM),
+                                     fit[3 + TERMS:]])
         self.sizes = _SIZES * np.where(np.isin(np.arange(_SHARED), (1, 2)), self.size[0], 1)
         self.means = np.zeros(_SHARED)
         self.means[:3] = _MIDDLE + np.log(self.size[0]), *(self.size - 1) / 2
@@ -210,24 +214,29 @@ class _Radial:
         """Distorted pixels (n, 2) of directions (n, 3)."""
         lens = lens_of(_flat(vector, np.zeros(TERMS)))
         lens.radial = KannalaBrandt(tuple((self.terms @ vector[_SIZED]).tolist()))
+        p4, p5, s1, s3 = vector[_FORMED].tolist()
+        s0, _, s2, _ = lens.decentring.s
+        lens.decentring = BrownWeng(p=(*lens.decentring.p, p4, p5), s=(s0, s1, s2, s3))
         return np.stack(project(lens, *rays.T), axis=1)
 
     def slopes(self, vector, cells, owner):
         """Derivatives (n, 2, parameters) of the pixels of points of targets, by the nearest smooth
         lens."""
-        rows = derivatives(_flat(vector, self.near @ vector[_SIZED]), cells, owner)
-        rows = rows.transpose(1, 2, 0)
+        near = self.near @ vector[_SIZED]
+        rows = derivatives(_flat(vector, near), cells, owner).transpose(1, 2, 0)
         x, y, z = _rays(vector, cells, owner).T
         angle = np.arctan2(np.hypot(x, y), z)
         by_power = angle[:, None] ** (2.0 * np.arange(_RADIAL))
         by_size = rows[:, :, 3, None] * (by_power @ self.terms)[:, None]
+        q = (angle * (1 + by_power[:, 1:TERMS + 1] @ near))[:, None, None] ** 2
+        p3, s0, s2 = (rows[:, :, [k + TERMS]] for k in (6, 7, 8))
         return np.concatenate([rows[:, :, :1] * np.exp(vector[0]), rows[:, :, 1:3], by_size,
-                               rows[:, :, 3 + TERMS:]], axis=2)
+                               p3 * q, p3 * q * q, s0 * q, s2 * q, rows[:, :, 3 + TERMS:]], axis=2)
 
 
 def _flat(vector, radial):
-    """The vector of :mod:`smooth_vector` with ``radial`` terms."""
-    return np.concatenate([[np.exp(vector[0])], vector[1:3], radial, vector[3 + _RADIAL:]])
+    """The vector of :mod:`smooth_vector` with ``radial`` terms, without the further ones."""
+    return np.concatenate([[np.exp(vector[0])], vector[1:3], radial, vector[_FORMED.stop:]])
 
 
 def _rays(vector, cells, owner):
