@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 from scipy.optimize import least_squares
 
-from ncdc_model.calibration import free_lens
 from ncdc_model.calibration.frame import ideal_frame
 from ncdc_model.calibration.points import PhotoPoints, TargetPoints
 from ncdc_model.golden.smooth_masks import smooth_masks
 from ncdc_model.golden.valid import connected
+from ncdc_model.training import free_lens
 from ncdc_model.training import region as regions
 from ncdc_model.training.region import region_of
 from ncdc_spec.errors import InputError

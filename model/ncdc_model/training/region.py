@@ -2,7 +2,7 @@
 
 Held-out points lie among the others. They do not measure the map between the outermost points and
 the border of the picture, nor do they find the largest error. So the true map is estimated
-everywhere: it is the :mod:`~ncdc_model.calibration.free_lens` plus a Gaussian process regression
+everywhere: it is the :mod:`~ncdc_model.training.free_lens` plus a Gaussian process regression
 ("kriging") of its residuals at the points. What both leave open counts as error: beyond the
 outermost points mostly the form of the lens.
 """
@@ -12,9 +12,9 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
-from ncdc_model.calibration.free_lens import free_lens
 from ncdc_model.mask_border import border_pixels
 from ncdc_model.nearest import Nearest
+from ncdc_model.training.free_lens import free_lens
 from ncdc_model.training.problem import spread
 from ncdc_spec.errors import InputError
 
