@@ -33,7 +33,7 @@ _UNSURE, _UNSURE_PIXELS = 1 / 1280, 0.5     # of the width, and at least: is war
 _MOST = 0.5, 0.75      # of the pixels beyond the points: is named as the side, or as both sides
 _LEFT = 0.05           # of the frame, which a limit of the uncertainty must leave
 _LARGE = 4096          # positions at a time: bounds the memory
-_BETWEEN = 1.03        # times the largest error: allowance for peaks between the compared pixels
+_BETWEEN = 1.05        # times the largest error: allowance for peaks between the compared pixels
 
 
 @dataclass(frozen=True)
@@ -134,7 +134,7 @@ class Region:
         The result is two dicts of ``mse``, ``mean`` and ``max`` as of
         :func:`ncdc_model.evaluate.map_error`. ``mse`` is the expected square of the error. ``max``
         is the largest error, either in this corrected picture or after removing the best
-        homography. It includes three standard deviations of its estimate, and 3 % for peaks
+        homography. It includes three standard deviations of its estimate, and 5 % for peaks
         between the compared pixels. The second dict is not-a-number if no pixel is beyond the
         points.
         """
