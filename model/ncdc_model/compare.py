@@ -4,7 +4,6 @@ from dataclasses import replace
 
 import cv2
 import numpy as np
-from scipy.optimize import least_squares
 from scipy.spatial import cKDTree
 
 from ncdc_model.calibration.camera_file import load_camera_map
@@ -13,6 +12,7 @@ from ncdc_model.calibration.points_csv import is_points_csv
 from ncdc_model.calibration.remap_file import are_remap_files
 from ncdc_model.calibration.remap_source import load_remap
 from ncdc_model.evaluate import evaluate_frame, evaluate_points, float_map
+from ncdc_model.fitted_plane import fitted_plane
 from ncdc_model.golden.valid import valid_mask
 from ncdc_model.lens import Frame
 from ncdc_model.lens.inverse import planar_inverse
@@ -21,8 +21,7 @@ from ncdc_spec.descriptor import Descriptor
 from ncdc_spec.errors import InputError
 from ncdc_spec.files import read_bytes
 
-__all__ = ["compare_with_reference", "corrected_points", "difference_from", "fitted_plane",
-           "fitted_view"]
+__all__ = ["compare_with_reference", "corrected_points", "difference_from", "fitted_view"]
 
 _VIEW = 2500       # pixels to which a view is fitted
 _WIDE = 0.01       # zoom at which no point of a photo falls outside the frame
@@ -159,30 +158,6 @@ def _map_in(path, size):
     x, y = camera.back_map(u, v)
     inside = (x >= 0) & (x <= size[0] - 1) & (y >= 0) & (y <= size[1] - 1)
     return u[inside], v[inside], x[inside], y[inside]
-
-
-def fitted_plane(camera, u, v, x, y):
-    """The camera's map from the plane whose homography to (u, v) fits the pixels (x, y) best."""
-    a, b = camera.undistort(x, y)
-    known = np.isfinite(a) & np.isfinite(b)
-    if known.sum() < 8:
-        raise InputError(f"the camera sees {known.sum()} of {len(u)} points of the corrected "
-                         f"frame, at least 8 are needed")
-    u, v, x, y = (values[known] for values in (u, v, x, y))
-    start = cv2.findHomography(np.stack([u, v], axis=1), np.stack([a, b], axis=1)[known], 0)[0]
-
-    def through(matrix):
-        def back_map(u, v):
-            flat = np.stack([np.ravel(u), np.ravel(v)], axis=1)[:, None]
-            a, b = cv2.perspectiveTransform(flat, matrix)[:, 0].T
-            return camera.distort(a.reshape(np.shape(u)), b.reshape(np.shape(v)))
-        return back_map
-
-    def residuals(parameters):
-        a, b = through(np.append(parameters, 1).reshape(3, 3))(u, v)
-        return np.nan_to_num(np.concatenate([a - x, b - y]), nan=100.0)
-    fit = least_squares(residuals, (start / start[2, 2]).ravel()[:8], x_scale="jac")
-    return through(np.append(fit.x, 1).reshape(3, 3))
 
 
 def corrected_points(descriptor, points, path):

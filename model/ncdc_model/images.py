@@ -5,13 +5,14 @@ from pathlib import Path
 import cv2
 import numpy as np
 
+from ncdc_model.photo.kinds import HEAD, film_by
 from ncdc_model.photo.read import read_photo
 from ncdc_spec.errors import InputError
 from ncdc_spec.files import replace_file
 from ncdc_spec.geometry import BAYER_PHASE, MONO
 
 __all__ = ["ANIMATIONS", "FILMS", "check_animation", "check_suffix", "demosaic", "is_film",
-           "is_raw", "mosaic", "read_image", "write_animation", "write_image"]
+           "is_film_name", "is_raw", "mosaic", "read_image", "write_animation", "write_image"]
 
 ANIMATIONS = (".png", ".webp", ".gif")
 FILMS = (".mp4", ".m4v", ".mov", ".mkv", ".webm", ".avi")
@@ -88,9 +89,24 @@ def write_animation(path, frames, milliseconds):
         temporary.write_bytes(content.tobytes())
 
 
-def is_film(path):
-    """Whether the suffix of ``path`` is one of :data:`FILMS`; see :mod:`ncdc_model.film`."""
+def is_film_name(path):
+    """Whether the suffix of ``path`` is one of :data:`FILMS`, as which films are written."""
     return Path(path).suffix.lower() in FILMS
+
+
+def is_film(path, animated=False):
+    """Whether the file ``path`` holds a film, by its first bytes; see :mod:`ncdc_model.film`.
+
+    The suffix decides where they say nothing: of bytes that no format known here begins with, or
+    a file that cannot be read. A GIF is a film if ``animated``, else a picture.
+    """
+    try:
+        with open(path, "rb") as file:
+            head = file.read(HEAD)
+    except (OSError, ValueError):
+        return is_film_name(path)
+    known = film_by(head, animated)
+    return is_film_name(path) if known is None else known
 
 
 def is_raw(image):

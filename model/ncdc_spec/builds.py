@@ -43,8 +43,9 @@ def key_of(name, *parts):
     return f"{name}-{state.hexdigest()[:20]}"
 
 
-def built(key, build):
-    """Folder of the build ``key``; ``build(folder)`` fills it if it is not there.
+def built(key, build, whole=lambda folder: True):
+    """Folder of the build ``key``; ``build(folder)`` fills it if it is not there, or is there and
+    not ``whole(folder)``, as after a power cut.
 
     Two processes that ask for the same build at once make it once. A build that fails, or is
     interrupted, leaves no files.
@@ -63,6 +64,8 @@ def built(key, build):
         raise InputError(f"cannot write the folder of builds {root}: {error.strerror}") from error
     with lock:
         fcntl.flock(lock, fcntl.LOCK_EX)
+        if folder.is_dir() and not whole(folder):
+            shutil.rmtree(folder)
         if not folder.is_dir():
             _remove_old(root)
             temporary = Path(tempfile.mkdtemp(dir=root, prefix=".build-"))

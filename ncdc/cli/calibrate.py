@@ -21,6 +21,7 @@ from ncdc_model.calibration.detect import detect_points
 from ncdc_model.calibration.judged import judged
 from ncdc_model.calibration.overlay import Backdrop, draw_on
 from ncdc_model.calibration.quality import Dropped
+from ncdc_model.flaw_figures import flaws_of
 from ncdc_model.images import write_image
 from ncdc_model.photo.names import photos_of
 from ncdc_spec.errors import InputError
@@ -91,6 +92,12 @@ def run(args) -> None:
             print(difference_text)
 
 
+# Title, name among the flaws, digits and unit of what is printed of a lens.
+_FLAWS = (("focal length", "focal_px", 1, " px"), ("axis off the middle", "axis_px", 1, " px"),
+          ("decentring", "decentring_px", 2, " px"), ("tilt of the sensor", "tilt_deg", 2, "°"),
+          ("pixel aspect", "aspect", 4, ""))
+
+
 def _overlays(output, used, args):
     """Paths of the overlays, next to ``output``; none may replace a photo."""
     tags = [""] if len(used) == 1 else [f"-{k}-{Path(name).stem}" for k, name in enumerate(used, 1)]
@@ -123,8 +130,15 @@ def _report(points, frame):
         "points_rejected_by_reason": rejected, "points_dropped": dropped,
         "agreement_px": {photo.name: photo.agreement for photo in points.photos},
         "photos_used": len(points.photos), "photos_rejected": points.rejected_photos,
-        "photos_in_part": _parts(points),
+        "photos_in_part": _parts(points), "lens": {} if frame is None else _lens(frame),
         "remarks": [f"{photo.name}: {text}" for photo in points.photos for text in photo.remarks]}
+
+
+def _lens(frame):
+    """The lens and its flaws in figures, each with its standard error, and the page's bend."""
+    sag, error = frame.sag
+    return vars(flaws_of(frame.camera, frame)) | {
+        "sag_percent": 100 * sag, "sag_percent_error": 100 * error if sag else None}
 
 
 def _parts(points):
@@ -166,6 +180,11 @@ def _print(report, photos, measured):
     worst = max(report["agreement_px"], key=lambda name: report["agreement_px"][name])
     print(f"points lie {report['agreement_px'][worst]:.2f} px or less, on each axis, from where "
           f"their neighbours predict them ({worst}, the least sure photo)")
+    if report["lens"]:
+        lens = report["lens"]
+        print("lens: " + ", ".join(
+            f"{title} {lens[name]:.{digits}f} ± {lens[f'{name}_error']:.{digits}f}{unit}"
+            for title, name, digits, unit in _FLAWS))
     if measured:
         print(straightness_text(measured, "points that the lens was not fitted to"))
     first, *others = report["overlays"]

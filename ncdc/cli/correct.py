@@ -2,9 +2,11 @@
 
 import sys
 from functools import cache
+from pathlib import Path
 
 from ncdc.cli.colour import add_colour, colour_choice, colour_line, colour_report
 from ncdc.cli.common import add_json, add_samples, raw_frame, write_report
+from ncdc.cli.film_crop import add_film_crop
 from ncdc.cli.sequence import (
     FILM_MODES,
     correct_camera,
@@ -17,10 +19,11 @@ from ncdc.cli.view_angles import add_stabilisation, add_view, view_of
 from ncdc.cli.view_list import ViewsFile, add_view_list, check_alone
 from ncdc.terminal import Progress, percent, say
 from ncdc_model.correction import MODELS, coloured, correct, default_model
-from ncdc_model.images import check_suffix, is_film, write_image
+from ncdc_model.images import check_suffix, is_film, is_film_name, write_image
 from ncdc_model.pc_camera import is_pc_camera
 from ncdc_spec.descriptor import Descriptor
 from ncdc_spec.errors import InputError
+from ncdc_spec.files import read_bytes
 from ncdc_spec.interpolation import CRESTS
 from ncdc_spec.raw_gains import NO_RAW_GAINS
 
@@ -49,6 +52,7 @@ def add_arguments(parser) -> None:
     film.add_argument("--film", choices=FILM_MODES, default=FILM_MODES[0],
                       help="bilinear (default), lanczos: remapped in their colours, not by the "
                            "hardware's arithmetic; mosaic: mosaiced, then corrected as raw frames")
+    add_film_crop(film)
     film.add_argument("--frames", type=int, metavar="N",
                       help="of a camera of this PC (default: until Ctrl-C)")
     film.add_argument("--fps", type=float, default=30.0, metavar="F",
@@ -65,13 +69,16 @@ def add_arguments(parser) -> None:
 def run(args) -> None:
     """Correct, write, report."""
     images = listed(args.image)
+    if args.film_crop is not None and not any(
+            is_pc_camera(path) or _film(args, path) for path in images):
+        raise InputError(f"--film-crop is {args.film_crop}: it takes a film, {images[0]} is none")
     if args.view_list is not None:
         return _correct_views(args, images)
     if images == ["-"]:
         return correct_stream(args)
     for path in images:
         camera = is_pc_camera(path)
-        if not camera and not is_film(path):
+        if not camera and not _film(args, path):
             continue
         if len(images) > 1:
             raise InputError(f"{path} is a {'camera' if camera else 'film'}, which is corrected "
@@ -82,7 +89,17 @@ def run(args) -> None:
     return _correct_one(args, images[0])
 
 
+def _film(args, path):
+    """Whether ``path`` is a film: by its content, but for raw frames, which may begin anyhow."""
+    return is_film_name(path) if args.raw else is_film(path, is_film_name(args.output))
+
+
 def _correct_one(args, path):
+    if is_film_name(args.output):
+        if not Path(path).is_file():
+            read_bytes(path)        # raises the error that says why
+        raise InputError(f"{path} holds no film, {args.output} would be one: an input is judged by "
+                         f"its content, as Matroska, MP4, AVI, a transport stream, GIF, YUV4MPEG2")
     check_suffix(args.output)
     choice = colour_choice(args)
     descriptor = Descriptor.load(args.descriptor)
@@ -120,7 +137,7 @@ def _correct_views(args, images):
     """Several views of one raw frame in one picture."""
     check_suffix(args.output)
     check_alone(args)
-    if len(images) > 1 or images == ["-"] or is_pc_camera(images[0]) or is_film(images[0]):
+    if len(images) > 1 or images == ["-"] or is_pc_camera(images[0]) or _film(args, images[0]):
         raise InputError(f"--view-list is given with {args.image[0]}, it takes one picture")
     descriptor, views = Descriptor.load(args.descriptor), ViewsFile.load(args.view_list)
     raw, note = raw_frame(images[0], descriptor.geometry, args.raw, args.bits)

@@ -9,17 +9,17 @@ from glob import glob
 from pathlib import Path
 
 import cv2
-import numpy as np
 
 from ncdc.cli.colour import colour_choice, colour_line, colour_report
 from ncdc.cli.common import raw_frame, write_report
+from ncdc.cli.film_crop import film_crop
 from ncdc.cli.view_angles import view_of
 from ncdc.terminal import Progress, Steps, say
 from ncdc_model.correction import coloured, correct, correction_of, default_model
-from ncdc_model.images import FILMS, is_film, mosaic, write_image
+from ncdc_model.images import FILMS, is_film_name, mosaic, write_image
 from ncdc_model.pc_camera import is_pc_camera, opened_camera
 from ncdc_model.raw_dump import RawDump
-from ncdc_model.remap_tables import remap_tables
+from ncdc_model.remap_tables import PlaneMaps, remap_tables
 from ncdc_spec.descriptor import Descriptor
 from ncdc_spec.errors import InputError
 from ncdc_spec.interpolation import CRESTS
@@ -66,12 +66,15 @@ class _Sequence:
         self.descriptor = Descriptor.load(args.descriptor)
         self.view = view_of(args, self.descriptor)
         self.model = args.model or default_model(say)
-        self.colour, self.count, self._begin = None, 0, time.monotonic()
+        self.colour, self.crop, self.count, self._begin = None, None, 0, time.monotonic()
 
     @property
     def size(self):
         """Width and height of the corrected pictures."""
-        return self.view.size if self.view else self.descriptor.geometry.corrected
+        geometry = self.descriptor.geometry
+        if self.view:
+            return self.view.size
+        return self.crop.size(geometry) if self.crop else geometry.corrected
 
     @property
     def rate(self):
@@ -139,10 +142,26 @@ def correct_files(args, paths):
 
 def correct_film(args, path):
     """Correct the film ``path``, in its colours or as raw frames."""
-    from ncdc_model.film import change_film
-    sequence, changed = _film_change(args, path)
-    change_film(path, args.output, sequence.size, changed, say, Progress("correcting"))
-    _report_film(args, sequence)
+    from ncdc_model.film import change_film, frame_shape
+    sequence, changed = _film_change(args, path, *frame_shape(path))
+    made = change_film(path, args.output, sequence.size, changed, say, Progress("correcting"))
+    if args.film == _MOSAIC and made.source_bits > made.bits:
+        say(f"--film {_MOSAIC} corrects samples of 8 bits, as the hardware does: the "
+            f"{made.source_bits} bits of {path} are rounded")
+    return _film_state(args, path, sequence, made)
+
+
+def _film_state(args, path, sequence, made):
+    """Write the report, and say what is damaged; the exit status."""
+    if made.skipped or made.repaired:
+        say(f"{path} is damaged: packets that gave no picture and are skipped: {made.skipped}; "
+            f"pictures that are kept as the decoder has repaired them: {made.repaired}")
+    if made.cut_off:
+        of = f" of {made.expected}" if made.expected > made.pictures else ""
+        say(f"{path} is cut off: {made.pictures}{of} pictures are written")
+    _report_film(args, sequence, {"bits": made.bits, "packets_skipped": made.skipped,
+                                  "pictures_repaired": made.repaired, "cut_off": made.cut_off})
+    return int(made.cut_off)
 
 
 def correct_camera(args, name):
@@ -152,12 +171,14 @@ def correct_camera(args, name):
         raise InputError(f"{name} is a camera, --gyro needs a film")
     if args.frames is not None and args.frames < 1:
         raise InputError(f"--frames is {args.frames}, 1 is the limit")
-    sequence, changed = _film_change(args, name)
+    sequence, changed = _film_change(args, name, None, 1)
     shown, size = Steps("correcting", quiet=True), sequence.size
     with opened_camera(name) as camera, writing_film(args.output, size, _rate(camera.rate)) as film:
         try:
             while args.frames is None or sequence.count < args.frames:
-                film.write(changed(camera.read(), 0.0))
+                picture = camera.read()
+                film.write(changed(picture, 0.0) if changed.rgb else changed(
+                    [picture], 0.0, lambda colour: (colour,))[0])
                 shown(f"{sequence.count} frames, {sequence.rate:.1f} per second")
         except KeyboardInterrupt:
             if not sequence.count:
@@ -165,59 +186,78 @@ def correct_camera(args, name):
     _report_film(args, sequence)
 
 
-def _film_change(args, name):
-    """:class:`_Sequence`, and the function that corrects an RGB picture of a film or a camera.
+def _film_change(args, name, size, aspect):
+    """:class:`_Sequence`, and the function that corrects a picture of a film or a camera, as of
+    :func:`ncdc_model.film.changing.change_film`.
 
-    The function takes the picture, and the seconds since the film began.
+    ``size`` and ``aspect``: of the film's pictures and pixels; size None of a camera.
     """
-    if not is_film(args.output):
+    if not is_film_name(args.output):
         what = "a camera, whose pictures become a film" if is_pc_camera(name) else "a film"
         raise InputError(f"{name} is {what}, {args.output} is none: films are written as one of "
                          f"{', '.join(FILMS)}")
     if args.film != _MOSAIC and colour_choice(args):
         raise InputError(f"the film is remapped in its colours ({args.film}): --raw-balance, "
                          f"--crest, --white-balance and --tone need --film {_MOSAIC}")
+    if args.film_crop is not None and (args.film == _MOSAIC or size is None):
+        raise InputError(f"--film-crop is {args.film_crop}: it takes a film that is remapped in "
+                         f"its colours, " + (f"{name} is a camera" if size is None else
+                                             f"--film {_MOSAIC} has the descriptor's pixels"))
     sequence = _Sequence(args)
     geometry = sequence.descriptor.geometry
+    if size is not None:
+        sequence.crop = film_crop(args, name, size, aspect, geometry)
+    camera, size = size is None, size or geometry.distorted
     if args.film == _MOSAIC:
         def change(picture, seconds):
+            _check_size(name, picture, size, camera)
             return sequence.picture(mosaic(picture, geometry.bayer), seconds)
     else:
-        change = _remapping(sequence, _KERNELS[args.film])
+        remapped = _remapping(sequence, _KERNELS[args.film])
 
-    def changed(picture, seconds):
-        if picture.shape[1::-1] != geometry.distorted:
-            raise InputError("{} has {}x{} pixels, the descriptor is for {}x{}".format(
-                name, *picture.shape[1::-1], *geometry.distorted))
-        return change(picture, seconds)
+        def change(planes, seconds, samples_of):
+            _check_size(name, planes[0], size, camera)
+            return remapped(planes, seconds, samples_of(geometry.fill))
+    change.rgb = args.film == _MOSAIC
     say(f"{name}: its pictures are " + (
         f"mosaiced as {geometry.bayer} and corrected as the hardware does" if args.film == _MOSAIC
         else f"remapped in their colours ({args.film}), not by the hardware's arithmetic"))
-    return sequence, changed
+    return sequence, change
 
 
-def _report_film(args, sequence):
+def _check_size(name, picture, size, camera):
+    """Raise :class:`InputError` if a ``picture`` has not the ``size`` of the others, or a camera's
+    not that of the descriptor."""
+    if picture.shape[1::-1] == size:
+        return
+    if camera:
+        raise InputError("{0} has {1}x{2} pixels, the descriptor is for {3}x{4}: measure the lens "
+                         "with the camera, ncdc calibrate --live {0}".format(
+                             name, *picture.shape[1::-1], *size))
+    raise InputError("{} has a picture of {}x{} pixels among those of {}x{}".format(
+        name, *picture.shape[1::-1], *size))
+
+
+def _report_film(args, sequence, state=None):
     how = {"model": sequence.model} if args.film == _MOSAIC else {}
-    sequence.report({"film": args.film, **how})
+    sequence.report({"film": args.film, **how, **(state or {})})
 
 
 def _remapping(sequence, kernel):
-    """Function that remaps pictures of finished colours by the map of a descriptor or a view."""
-    if sequence.view:
-        maps = sequence.view.maps
-    else:
-        still = (*remap_tables(sequence.descriptor),
-                 correction_of(sequence.descriptor, sequence.model).blank)
+    """Function that remaps the planes of a picture of finished colours by the map of a descriptor
+    or a view; each has its own sample where there is no source."""
+    still, crop = None, sequence.crop
+    if not sequence.view:
+        still = PlaneMaps(*(crop.maps(sequence.descriptor) if crop else (
+            *remap_tables(sequence.descriptor),
+            correction_of(sequence.descriptor, sequence.model).blank)), kernel)
 
-        def maps(seconds):
-            return still
-    fill = np.full((*sequence.size[::-1], 3), sequence.descriptor.geometry.fill, np.uint8)
-
-    def remapped(picture, seconds):
+    def remapped(planes, seconds, fills):
         sequence.count += 1
-        map_x, map_y, blank = maps(seconds)
-        found = cv2.remap(picture, map_x, map_y, kernel, borderMode=cv2.BORDER_REPLICATE)
-        return cv2.copyTo(fill, blank.view(np.uint8), found)
+        if still:
+            return still(planes, fills)
+        maps = sequence.view.maps(seconds)
+        return PlaneMaps(*(crop.of_film(*maps) if crop else maps), kernel)(planes, fills)
     return remapped
 
 

@@ -207,6 +207,8 @@ def _print_report(args, source, report):
               f"{report['beyond_points_percent']:.1f} % of it lies beyond the outermost ones"
               + (f", known to {report['beyond_points_known_px']:.2g} px at worst"
                  if report["beyond_points_percent"] else ""))
+    if "page_sag" in report:
+        print(_flat_text(report))
     print(nodes_text(report["nodes"]) + (f", which adds at most {report['nodes_curvature_px']:.5f} "
                                          f"px" if report["nodes"] > 1 else ""))
     for line in report_lines(report):
@@ -222,6 +224,16 @@ def _print_report(args, source, report):
               f"{_judged_on(report)}")
     *others, last = report["plots"]
     print(f"{args.output}; look at {', '.join(others)} and {last}")
+
+
+def _flat_text(report):
+    """What the errors take for granted of the page, which few photos do not show."""
+    sag, most = report["page_sag"], report["map_error_fixed_px"]["max"]
+    per = sag["max_px"] / sag["sag_percent"]
+    return (f"these errors hold if the page is flat to {most / per:.2f} % of its extent, which one "
+            f"or two photos do not show: each {sag['sag_percent']:.1f} % of sag adds up to "
+            f"{sag['max_px']:.2f} px, {sag['rms_px']:.2f} px rms; three photos from different "
+            f"sides show it")
 
 
 def _tell_map(source):

@@ -2,11 +2,14 @@
 
 import numpy as np
 
+from ncdc_model.calibration.page_bend import PHOTOS
 from ncdc_model.flaw_figures import (
+    SAG,
     axis_pixel,
     decentring,
+    flaws_of,
     focal_length,
-    roll,
+    sag_effect,
     tilt,
     tilt_effect,
 )
@@ -15,6 +18,7 @@ from ncdc_model.lens import Camera
 __all__ = ["lens_rows"]
 
 _SLIGHT = 0.05          # pixels: less is not worth a word
+_VAGUE = 0.01           # of the focal length: a larger standard error needs a word
 
 
 def lens_rows(camera, frame=None):
@@ -27,18 +31,28 @@ def lens_rows(camera, frame=None):
     frame : IdealFrame, optional
         The points to which it was fitted: for the roll, and for what no smooth lens explains.
     """
-    rows = [_focal(camera), _view(camera), _distortion(camera), _axis(camera)]
+    flaws = flaws_of(camera, frame) if frame is not None else None
+    rows = [_focal(camera, flaws), _view(camera), _distortion(camera), _axis(camera, flaws)]
     if isinstance(camera, Camera):
-        rows += [_decentring(camera), _tilt(camera), *_aspect(camera)]
+        rows += [_decentring(camera, flaws), _tilt(camera, flaws), *_aspect(camera, flaws)]
     if frame is not None:
-        rows += [_roll(frame), _rest(frame)]
+        rows += [_roll(frame, flaws), _page(camera, frame), _rest(frame)]
     return rows
 
 
-def _focal(camera):
+def _error(flaws, name, digits):
+    """Plus-minus and the standard error of a figure; empty where there is none."""
+    return "" if flaws is None else f" ± {getattr(flaws, name):.{digits}f}"
+
+
+def _focal(camera, flaws):
     focal = focal_length(camera)
-    return ("Focal length", f"{focal:.1f} px", f"{focal / camera.size[0]:.2f} of the picture's "
-            f"width, on the axis. Times the width of a pixel it is the focal length in millimetres")
+    words = (f"{focal / camera.size[0]:.2f} of the picture's width, on the axis. Times the width "
+             f"of a pixel it is the focal length in millimetres")
+    if flaws is not None and flaws.focal_px_error > _VAGUE * focal:
+        words += (". These photos hardly determine it: photos of the target from other sides, "
+                  "tilted by 20 degrees or more, do")
+    return "Focal length", f"{focal:.1f}{_error(flaws, 'focal_px_error', 1)} px", words
 
 
 def _view(camera):
@@ -72,42 +86,60 @@ def _distortion(camera):
             f"without distortion")
 
 
-def _axis(camera):
+def _axis(camera, flaws):
     off = axis_pixel(camera) - (np.array(camera.size) - 1) / 2
     words = [f"{abs(value):.1f} px {names[int(value > 0)]}"
              for value, names in zip(off, (("left of", "right of"), ("above", "below")))]
-    return ("Axis", "({:.1f}, {:.1f})".format(*axis_pixel(camera)),
+    place = "({:.1f}, {:.1f})".format(*axis_pixel(camera))
+    return ("Axis", f"{place}{_error(flaws, 'axis_px_error', 1)}",
             f"it meets the picture {words[0]} and {words[1]} its middle")
 
 
-def _decentring(camera):
-    effect = decentring(camera)
+def _decentring(camera, flaws):
+    effect, error = decentring(camera), _error(flaws, "decentring_px_error", 2)
     if effect < _SLIGHT:
-        return "Decentring", f"{effect:.2f} px", "the elements of the lens are on one axis"
-    return ("Decentring", f"up to {effect:.2f} px", "the elements of the lens are not quite on one "
-            "axis, or not parallel, which moves points by as much")
+        return "Decentring", f"{effect:.2f}{error} px", "the elements of the lens are on one axis"
+    return ("Decentring", f"up to {effect:.2f}{error} px", "the elements of the lens are not quite "
+            "on one axis, or not parallel, which moves points by as much")
 
 
-def _tilt(camera):
+def _tilt(camera, flaws):
+    figure = f"{tilt(camera):.2f}{_error(flaws, 'tilt_deg_error', 2)}°"
     if not any(camera.tilt.angles):
-        return ("Tilt", "none", "the points do not show that the sensor is tilted; a small tilt "
-                "looks like decentring")
-    return ("Tilt", f"{tilt(camera):.2f}°", f"the sensor is not parallel to the lens, which moves "
-            f"points by up to {tilt_effect(camera):.2f} px")
+        if flaws is None:
+            return "Tilt", "none", "the sensor is parallel to the lens"
+        return ("Tilt", figure, "the points do not show that the sensor is tilted; a tilt of up to "
+                f"{2 * flaws.tilt_deg_error:.1f}° would look the same")
+    return ("Tilt", figure, f"the sensor is not parallel to the lens, which moves points by up to "
+            f"{tilt_effect(camera):.2f} px")
 
 
-def _aspect(camera):
+def _aspect(camera, flaws):
     share = 100 * (camera.aspect - 1)
     if abs(share) < 0.01:
         return []
-    return [("Pixels", f"{camera.aspect:.4f}", f"a pixel is {abs(share):.2f} % "
-             f"{'wider than high' if share > 0 else 'higher than wide'}")]
+    shape = "wider than high" if share > 0 else "higher than wide"
+    return [("Pixels", f"{camera.aspect:.4f}{_error(flaws, 'aspect_error', 4)}",
+             f"a pixel is {abs(share):.2f} % {shape}")]
 
 
-def _roll(frame):
-    return ("Roll", f"{roll(frame):+.2f}°",
+def _roll(frame, flaws):
+    return ("Roll", f"{flaws.roll_deg:+.2f}{_error(flaws, 'roll_deg_error', 2)}°",
             f"the target of {frame.names[0] or 'the first photo'} is turned by as much, clockwise, "
             f"to the rows of the sensor: so is the camera, if the target hung level")
+
+
+def _page(camera, frame):
+    sag, error = frame.sag
+    if sag:
+        return ("Page", f"bent by {100 * sag:.2f} ± {100 * error:.2f} %", "of its length: the "
+                "photos from several sides prove it, and it is taken off the points")
+    if len(frame.names) >= PHOTOS:
+        return "Page", "flat", "the photos from several sides show no bend"
+    rms, most = sag_effect(camera, frame, SAG)
+    return ("Page", "not known", f"few photos do not show whether the page is flat: each "
+            f"{100 * SAG:.1f} % of sag moves the map by up to {most:.2f} px, {rms:.2f} px rms. "
+            f"Three photos from different sides show it")
 
 
 def _rest(frame):

@@ -221,6 +221,36 @@ def test_a_compiler_that_fails_is_named(unloaded, monkeypatch, tmp_path):
         library.library()
 
 
+@pytest.mark.parametrize("damage", [
+    lambda content: b"garbage", lambda content: bytes(len(content)), lambda content: b"",
+    lambda content: content[:len(content) // 2], None],
+    ids=["other", "zeros", "empty", "half", "none"])
+def test_a_damaged_library_is_compiled_again(monkeypatch, tmp_path, damage):
+    """As after a power cut. The compiler is a copy of what the real one has made."""
+    made = library.library()._name
+    compiler = tmp_path / "cc"
+    compiler.write_text(f"""#!/bin/sh
+case "$*" in *-dM*) exit;; esac
+while [ "$1" != -o ]; do shift; done
+echo compiled >> {tmp_path}/log
+cp {made} "$2"
+""")
+    compiler.chmod(0o755)
+    monkeypatch.setenv("NCDC_CACHE", str(tmp_path / "cache"))
+    monkeypatch.setenv("CC", str(compiler))
+    library._load()
+    file, = (tmp_path / "cache").glob("model-*/model.so")
+    content = file.read_bytes()
+    # As another file: the library is mapped into this process.
+    file.unlink()
+    if damage:
+        file.write_bytes(damage(content))
+    loaded = library._load()
+    assert loaded._name == str(file) and file.read_bytes() == content
+    library._load()
+    assert (tmp_path / "log").read_text() == 2 * "compiled\n"
+
+
 def test_a_folder_of_builds_that_cannot_be_written(unloaded, monkeypatch, tmp_path):
     file = tmp_path / "file"
     file.touch()

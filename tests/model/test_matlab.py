@@ -71,6 +71,7 @@ def test_stereo_results_of_bouguet(tmp_path):
 
 
 @pytest.mark.parametrize("form", ["K", "IntrinsicMatrix"])
+@pytest.mark.longer
 def test_struct_of_camera_parameters_counts_from_one(tmp_path, form):
     matrix = np.array([[FC[0], FC[0] * ALPHA, CC[0] + 1], [0, FC[1], CC[1] + 1], [0, 0, 1]])
     struct = {form: matrix if form == "K" else matrix.T, "RadialDistortion": [*KC[:2], KC[4]],
@@ -111,3 +112,12 @@ def test_a_script_without_numbers_is_named(tmp_path):
     (tmp_path / "c.m").write_text(SCRIPT.replace("302.98", "x"))
     with pytest.raises(InputError, match="cc is .* x ; 242.62 .*, numbers are needed"):
         load_camera_map(tmp_path / "c.m")
+
+
+def test_a_damaged_file_is_named(tmp_path):
+    """SciPy's reader ends the whole process at this one: data of a kind that does not exist."""
+    scipy.io.savemat(tmp_path / "c.mat", {"fc": np.array([FC]).T, "cc": np.array([CC]).T})
+    content = (tmp_path / "c.mat").read_bytes()
+    (tmp_path / "c.mat").write_bytes(content.replace(b"\x09\0\0\0", b"\x09\1\0\0"))
+    with pytest.raises(InputError, match="it is no .mat that can be read: SciPy ended while it"):
+        load_camera_map(tmp_path / "c.mat")

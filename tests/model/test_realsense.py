@@ -93,6 +93,7 @@ def test_the_print_of_rs_enumerate_devices(tmp_path):
 
 
 @pytest.mark.parametrize("change,message", [
+    ({"coeffs": [.1, 0, 0, 0, 0]}, "model is none, with coefficients that are not 0; one of mod"),
     ({"model": "wide"}, "distortion model is 'wide', one of none, modified_brown_conrady"),
     ({"coeffs": [0] * 4}, "list of coefficients has 4 numbers, 5 are needed"),
     ({"fx": "x"}, "a value of the wrong kind"), ({"model": None}, "lacks the value model or"),

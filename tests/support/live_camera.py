@@ -8,7 +8,7 @@ import numpy as np
 
 from ncdc_bench.photos.lens import Lens, Plane
 from ncdc_bench.photos.targets import Bank, Pose
-from ncdc_model.compare import fitted_plane
+from ncdc_model.fitted_plane import fitted_plane
 
 __all__ = ["HAND_PICKED", "SIZE", "STEP", "Hand", "hand_picked", "map_error", "played", "seen_by",
            "sweep", "true_lens", "write_film"]

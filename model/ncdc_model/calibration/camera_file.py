@@ -1,7 +1,7 @@
 """Camera files, of other programs and of NCDC, as the exact map of a corrected frame."""
 
 import hashlib
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -64,7 +64,8 @@ def load_camera_map(path, size=None, zoom=None, camera=None, sensor=None):
     """Read a camera file and choose the corrected frame.
 
     The formats are those of :mod:`ncdc_model.calibration.files`: OpenCV, ROS, BoofCV, Kalibr,
-    camodocal, COLMAP, mrcal, MATLAB, RealSense, NeRF; and the camera file (TOML) of
+    camodocal, COLMAP, mrcal, MATLAB, RealSense, NeRF, MC-Calib, OCamCalib, DepthAI, OpenSfM,
+    stella_vslam; and the camera file (TOML) of
     :class:`ncdc_model.lens.Camera`.
 
     Parameters
@@ -93,18 +94,40 @@ def load_camera_map(path, size=None, zoom=None, camera=None, sensor=None):
         return _ours(path, content, size, zoom, camera, sensor)
     try:
         lens = read_lens(path, content, camera, sensor)
-        size, notes = tuple(size or lens.size), lens.notes
+        size, notes, ends = tuple(size or lens.size), lens.notes, _end(lens)
         if lens.frame is not None and zoom is None and size == lens.size:
             frame = lens.frame
             notes += (f"the corrected picture is that of the projection matrix: focal lengths "
                       f"{frame.focal:.2f} and {frame.aspect * frame.focal:.2f}, centre "
                       f"({frame.centre[0]:.2f}, {frame.centre[1]:.2f}); --zoom gives another",)
+        elif any(side in ends for side in ("left", "right")) and zoom in (None, "fit", "fill"):
+            raise InputError(f"{ends}; check the coefficients and the size, or give a number as "
+                             f"--zoom for the part that it reaches")
         else:
             frame = choose_frame(lens.undistort, lens.distort, lens.size, size, zoom or "fit")
     except InputError as error:
         raise InputError(f"{path}: {error}") from error
     return CameraMap(lens.size, frame, lens.distort, lens.undistort, lens.model,
-                     _digest(content), notes, lens.warnings)
+                     _digest(content), notes, lens.warnings + (ends,) * bool(ends))
+
+
+def _end(lens):
+    """Sentence on where the model of the :class:`FileLens` ends; "" if it reaches the middles of
+    the image's edges."""
+    if not np.isfinite(lens.limit):
+        return ""
+    width, height = lens.size
+    points, _ = replace(lens, rotation=None).undistort(
+        np.array([0, width - 1, (width - 1) / 2, (width - 1) / 2]),
+        np.array([(height - 1) / 2, (height - 1) / 2, 0, height - 1]))
+    missed = [edge for edge, point in zip(("left", "right", "upper", "lower"), points)
+              if not np.isfinite(point)]
+    if not missed:
+        return ""
+    return (f"the lens model does not reach the {' and '.join(missed)} "
+            f"edge{'s' * (len(missed) > 1)} of the image: it ends at "
+            f"{np.degrees(np.arctan(lens.limit)):.1f} degrees off its axis, where it has a pole or "
+            f"folds back")
 
 
 def _ours(path, content, size, zoom, camera, sensor):

@@ -4,10 +4,12 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from ncdc_model.calibration.page_bend import estimate_of, find_bend
 from ncdc_model.calibration.points import Fit
 from ncdc_model.calibration.quality import Dropped, check_share
 from ncdc_model.calibration.same_relief import proven
 from ncdc_model.calibration.smooth import MIN_POINTS, SmoothFit, fit_smooth
+from ncdc_model.calibration.smooth_errors import Estimate
 from ncdc_model.calibration.target_flatness import find_relief
 from ncdc_model.lens import Camera, choose_frame
 from ncdc_model.nearest import Nearest
@@ -56,6 +58,13 @@ class IdealFrame:
         Photo and index of the points that are farther off the smooth lens than their neighbours.
     fits : tuple of Fit
         What was fitted, for :attr:`TargetPoints.fits`.
+    estimate : Estimate
+        Standard errors of the last of them, with those of a page's bend.
+    cells : tuple of ndarray, shape (n, 2)
+        Column and row of each photo's points, scaled to the target's distances.
+    sag : tuple of (float, float)
+        Bend of the page that was taken off the points, in parts of its length, and its standard
+        error; zero and not-a-number if no bend is proven.
     """
     camera: Camera
     homographies: tuple
@@ -72,6 +81,9 @@ class IdealFrame:
     numbers: tuple
     gross: tuple = ()
     fits: tuple = ()
+    estimate: Estimate | None = None
+    cells: tuple = ()
+    sag: tuple = (0.0, float("nan"))
 
 
 @one_thread()
@@ -117,8 +129,8 @@ def ideal_frame(points, size=None, zoom="fit"):
                       rms=float(np.sqrt(np.mean(distance**2))), rejected=rejected, along=along,
                       relief=shift, degrees=tuple(part.degree for part in fitted.relief),
                       names=tuple(photo.name for photo in photos), numbers=tuple(numbers),
-                      gross=gross, fits=tuple(Fit(one.vector, one.prior, one.flawed)
-                                              for one in fitted.fits))
+                      gross=gross, fits=fitted.fits, estimate=fitted.estimate,
+                      cells=tuple(fitted.cells), sag=fitted.sag)
 
 
 def _usable_photos(points):
@@ -148,46 +160,65 @@ def _spread(index):
 
 @dataclass(frozen=True)
 class _Fitted:
-    """A smooth lens fitted to photos, and their points, corrected for dots and relief.
+    """A smooth lens fitted to photos, and their points, corrected for dots, bend and relief.
 
-    ``fits``: in the order in which they were made; ``cells``: column and row, scaled to the
-    target's distances; ``xy``: distorted pixels.
+    ``fits``: a :class:`Fit` each, in the order in which they were made; ``cells``: column and row,
+    scaled to the target's distances; ``xy``: distorted pixels; ``sag``: as of :class:`IdealFrame`.
     """
     fits: tuple
     photos: list
     cells: list
     xy: list
     relief: list
+    fit: SmoothFit
+    estimate: Estimate
+    sag: tuple
 
-    @property
-    def fit(self):
-        """The last one."""
-        return self.fits[-1]
+
+class _Fits:
+    """Fits of the points of photos, made anew or those that go with the points."""
+
+    def __init__(self, points):
+        self.size, self.made, self._known = points.size, [], iter(points.fits)
+
+    def next(self, cells, xy, near=None, bent=False):
+        """The next :class:`SmoothFit`, and the :class:`Bend` found with it, if ``bent``."""
+        photos = list(zip(cells, xy))
+        known = next(self._known, None)
+        if known:
+            fit, bend = SmoothFit.of(self.size, known), known.bend
+        else:
+            fit = fit_smooth(self.size, photos, near)
+            bend = find_bend(self.size, photos, fit) if bent else None
+        self.made.append(Fit(fit.vector, fit.prior, fit.flaws, bend))
+        return fit, bend
 
 
 def _fit(points, photos):
     """:class:`_Fitted` of ``photos``, those of :class:`TargetPoints` that have enough points."""
     cells = [photo.index * (1.0, points.aspect) for photo in photos]
-    xy, known, fits = [photo.xy for photo in photos], iter(points.fits), []
-
-    def fitted(near=None):
-        """The next of the fits that go with the points, or a new one."""
-        one = next(known, None)
-        fits.append(SmoothFit.of(points.size, one) if one else
-                    fit_smooth(points.size, list(zip(cells, xy)), near))
-        return fits[-1]
-    fit = fitted()
-    if points.target in _ROUND:
+    xy, fits, round_dots = [photo.xy for photo in photos], _Fits(points), points.target in _ROUND
+    fit, bend = fits.next(cells, xy, bent=not (points.page or round_dots))
+    if round_dots:
         xy = [photo.xy - _eccentricity(fit, number, cells[number], photo)
               for number, photo in enumerate(photos)]
-        fit = fitted(fit)
+        fit, bend = fits.next(cells, xy, fit, not points.page)
+    sag = 0.0, float("nan")
+    if bend:
+        # Twice: the normals of the first fit are those of a lens that took up the bend.
+        flat, sag = xy, (bend.sag(cells), bend.error)
+        for _ in range(2):
+            xy = [there - fit.raised(k, index, bend.height(k, index))
+                  for k, (index, there) in enumerate(zip(cells, flat))]
+            fit, _ = fits.next(cells, xy, fit)
     relief = [find_relief(photos[k].index, xy[k] - fit.pixels(k, cells[k]), fit.normal(k, cells[k]))
               for k in range(len(photos))]
     relief = _stated(points.page, photos, xy, relief)
     if any(part.found for part in relief):
         xy = [point - part.shift for point, part in zip(xy, relief)]
-        fit = fitted(fit)
-    return _Fitted(tuple(fits), photos, cells, xy, relief)
+        fit, _ = fits.next(cells, xy, fit)
+    return _Fitted(tuple(fits.made), photos, cells, xy, relief, fit,
+                   estimate_of(points.size, list(zip(cells, xy)), fit), sag)
 
 
 def _stated(page, photos, xy, relief):

@@ -6,6 +6,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from ncdc_model.calibration.page_bend import Bend
 from ncdc_model.calibration.smooth_vector import LENS
 from ncdc_spec.errors import InputError, reading
 from ncdc_spec.files import parse_text, write_text
@@ -14,7 +15,7 @@ from ncdc_spec.geometry import MAX_SIZE
 __all__ = ["PAGES", "Fit", "PhotoPoints", "TARGETS", "TargetPoints", "VERSION"]
 
 VERSION = 1
-FIT_VERSION = 1         # of the smooth lens's fit: another one gives other numbers
+FIT_VERSION = 2         # of the smooth lens's fit: another one gives other numbers
 _XY_DIGITS, _AREA_DIGITS = 4, 1         # after the point, in the file
 PAGES = "", "flat", "relief"     # the target's shape, as the user states it
 TARGETS = ("dots", "circles", "acircles", "chessboard", "charuco")
@@ -90,10 +91,27 @@ class PhotoPoints:
 
 @dataclass(frozen=True)
 class Fit:
-    """A smooth lens that was fitted to points; see :class:`SmoothFit` for what they mean."""
+    """A smooth lens that was fitted to points; see :class:`SmoothFit` for what they mean.
+
+    ``bend``: a :class:`~ncdc_model.calibration.page_bend.Bend` of the page that was found with it
+    and taken off the points for the next fit, or None.
+    """
     vector: np.ndarray
     prior: float
-    flawed: bool
+    flaws: tuple
+    bend: Bend | None = None
+
+    def to_dict(self):
+        """Plain numbers, strings and lists, as in the points file."""
+        return {"vector": self.vector.tolist(), "prior": self.prior, "flaws": list(self.flaws),
+                **({"bend": self.bend.to_dict()} if self.bend else {})}
+
+    @classmethod
+    def from_dict(cls, table):
+        """The fit of :meth:`to_dict`'s table."""
+        return cls(np.array(table["vector"], np.float64), float(table["prior"]),
+                   tuple(map(str, table["flaws"])),
+                   Bend.from_dict(table["bend"]) if "bend" in table else None)
 
 
 @dataclass(frozen=True)
@@ -219,7 +237,7 @@ class TargetPoints:
         lines = self._lines()
         if self.fits:
             table = {"version": FIT_VERSION, "points": _hash(lines), "fits": [
-                {**vars(fit), "vector": fit.vector.tolist()} for fit in self.fits]}
+                fit.to_dict() for fit in self.fits]}
             lines.insert(-1, f'"lens": {json.dumps(table)}')
         write_text(path, "{" + ",\n".join(lines) + "}\n")
 
@@ -263,8 +281,7 @@ class TargetPoints:
         if (not isinstance(table, dict) or table.get("version") != FIT_VERSION
                 or table.get("points") != _hash(self._lines())):
             return ()
-        fits = tuple(Fit(np.array(fit["vector"], np.float64), float(fit["prior"]),
-                         bool(fit["flawed"])) for fit in table["fits"])
+        fits = tuple(map(Fit.from_dict, table["fits"]))
         return fits if all(len(fit.vector) >= LENS and np.isfinite(fit.vector).all()
                            for fit in fits) else ()
 

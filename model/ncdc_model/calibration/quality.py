@@ -8,7 +8,7 @@ from ncdc_model.calibration.coverage import uncovered
 from ncdc_model.calibration.seams import find_seam, seam_text
 from ncdc_model.nearest import Nearest
 
-__all__ = ["Dropped", "check_share", "uneven", "warnings_of"]
+__all__ = ["Dropped", "bent", "check_share", "uneven", "warnings_of"]
 
 _SCATTER = 0.25        # pixels from a line's smooth course: a point farther off is noisy
 _LOST = 0.02           # of the positions within the target that have no point
@@ -63,7 +63,7 @@ def warnings_of(points, frame, measured):
         found += uncovered(photo, photo.name, points.target == "acircles")
     found += _seams(frame, points)
     found += _odd_photos(frame)
-    found += uneven(points, frame)
+    found += bent(frame) + uneven(points, frame)
     if measured["straightness_rms_px"] > _BENT:
         found.append(f"rows and columns are straight to {measured['straightness_rms_px']:.1f} px "
                      f"rms only, {_BENT} px is the limit: points are wrong, or no smooth lens "
@@ -95,6 +95,16 @@ def _seams(frame, points):
         if seam:
             found.append(f"{name}: {seam_text(seam)}")
     return found
+
+
+def bent(frame):
+    """List of one sentence if the photos show that the page is bent; empty if not."""
+    sag, error = frame.sag
+    if not sag:
+        return []
+    return [f"the page is bent: its height differs by {100 * sag:.2f} ± {100 * error:.2f} % of "
+            f"its length on one photo. The photos prove it, and it is taken off the points; a "
+            f"flat page measures better. --flat states that it is flat"]
 
 
 def uneven(points, frame):

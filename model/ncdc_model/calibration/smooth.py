@@ -5,8 +5,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from ncdc_model.calibration.refine import refine
+from ncdc_model.calibration.smooth_errors import Estimate, shown
 from ncdc_model.calibration.smooth_problem import MIN_POINTS, ROBUST, Problem
-from ncdc_model.calibration.smooth_vector import camera_of, planes_of, project
+from ncdc_model.calibration.smooth_vector import FLAWS, camera_of, planes_of, project
 from ncdc_model.lens import Camera
 from ncdc_spec.errors import InputError
 
@@ -31,20 +32,21 @@ class SmoothFit:
         The parameters that were fitted.
     prior : float
         Weight of the prior of the lens, up to 1.
-    flawed : bool
-        Whether the camera has the flaws of :mod:`ncdc_model.calibration.smooth_vector`.
+    flaws : tuple of str
+        Those of :data:`~ncdc_model.calibration.smooth_vector.FLAWS` that the points show. The
+        others are zero.
     """
     camera: Camera
     planes: tuple
     vector: np.ndarray
     prior: float
-    flawed: bool
+    flaws: tuple
 
     @classmethod
     def of(cls, size, fit):
         """The lens of a :class:`~ncdc_model.calibration.points.Fit` for photos of a ``size``."""
         return cls(camera_of(fit.vector, size), tuple(planes_of(fit.vector)), fit.vector, fit.prior,
-                   fit.flawed)
+                   fit.flaws)
 
     def rays(self, photo, index):
         """Directions (n, 3) of the target's points ``index`` (n, 2) in photo number ``photo``."""
@@ -53,11 +55,16 @@ class SmoothFit:
     def normal(self, photo, index):
         """Pixels (n, 2) by which points of the target move for a step, one column, towards the
         camera along its normal."""
+        return (self.raised(photo, index, 0.01) - self.raised(photo, index, -0.01)) / 0.02
+
+    def raised(self, photo, index, height):
+        """Pixels (n, 2) by which points of the target move that lie ``height``, a number or (n,),
+        steps above its plane, towards the camera."""
         first, second, _ = self.planes[photo].T
-        step = 0.01 * np.cross(first, second) * np.linalg.norm(first)
-        step = step / np.linalg.norm(np.cross(first, second))
+        up = np.cross(second, first) * np.linalg.norm(first)
+        up = up / np.linalg.norm(np.cross(first, second))
         rays = self.rays(photo, index)
-        return (self._seen(rays - step) - self._seen(rays + step)) / 0.02
+        return self._seen(rays + np.multiply.outer(height, up)) - self._seen(rays)
 
     def pixels(self, photo, index):
         """Distorted pixels (n, 2) of the target's points ``index`` (n, 2)."""
@@ -103,16 +110,32 @@ def fit_smooth(size, photos, near=None, rough=False):
             raise InputError("no smooth lens explains the points: all of a photo are within one "
                              "pixel")
     problem = Problem(size, photos)
-    start, prior, flawed = ((near.vector, near.prior, near.flawed) if near else
-                            problem.part().searched(_ROUGH if rough else 0.0))
+    start, prior, flaws = _started(problem, near, _ROUGH if rough else 0.0)
     vector = start if rough else refine(
         lambda vector: problem.residuals(vector, prior),
-        lambda vector: problem.derivatives(vector, prior, flawed), start, ROBUST)
+        lambda vector: problem.derivatives(vector, prior, flaws), start, ROBUST)
     typical = np.median(np.abs(problem.residuals(vector, prior)))
     if not typical < 0.02 * max(size):
         raise InputError(f"no smooth lens explains the points: half of them are off by more than "
                          f"{typical:.1f} pixels")
-    return SmoothFit(camera_of(vector, size), tuple(planes_of(vector)), vector, prior, flawed)
+    return SmoothFit(camera_of(vector, size), tuple(planes_of(vector)), vector, prior, flaws)
+
+
+def _started(problem, near, enough):
+    """Vector close to that of the best fit, weight of the prior, and the flaws that the points
+    show; arguments as of :func:`fit_smooth` and :meth:`Problem.searched`."""
+    part = problem.part()
+    if near is None:
+        vector, prior, flaws = part.searched(enough)
+    else:
+        prior, flaws = near.prior, tuple(FLAWS)
+        vector, _ = part.solved(near.vector, prior, flaws)
+    if enough or not flaws:
+        return vector, prior, flaws
+    flaws = shown(Estimate.of(problem, vector), vector)
+    if flaws == tuple(FLAWS):
+        return vector, prior, flaws
+    return part.solved(vector, prior, flaws)[0], prior, flaws
 
 
 def misfit(size, photos):

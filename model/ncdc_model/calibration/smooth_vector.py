@@ -11,15 +11,25 @@ import numpy as np
 
 from ncdc_model.lens import AsymmetricSurface, BrownWeng, Camera, Frame, KannalaBrandt, TiltedSensor
 
-__all__ = ["FLAWS", "LENS", "MAX_RATIO", "TERMS", "camera_of", "crosses", "guess", "lens_of",
-           "planes_of", "project"]
+__all__ = ["ASPECT", "DECENTRING", "FLAWS", "LENS", "MAX_RATIO", "TERMS", "TILT", "camera_of",
+           "crosses", "fixed", "guess", "lens_of", "planes_of", "project"]
 
 TERMS = 4              # of the radial polynomial
 LENS = 3 + TERMS + 4 + 2 + 2 + 1 + 1      # parameters of the lens
-# The higher terms of a decentring, a tilted sensor and pixels that are not square.
-FLAWS = np.isin(np.arange(LENS), [5 + TERMS, 6 + TERMS, *range(9 + TERMS, 12 + TERMS)])
+DECENTRING = slice(3 + TERMS, 9 + TERMS)          # with the thin prism
+TILT = slice(9 + TERMS, 11 + TERMS)
+ASPECT = 11 + TERMS
+# Groups of parameters that a fit leaves out where the points do not show them: the higher terms
+# of a decentring, a tilted sensor and pixels that are not square.
+FLAWS = {"higher decentring": (5 + TERMS, 6 + TERMS), "tilt": (9 + TERMS, 10 + TERMS),
+         "aspect": (ASPECT,)}
 
 MAX_RATIO = 0.15, 0.10   # differences of the pixels' aspect and the target's ratio from 1
+
+
+def fixed(flaws):
+    """Numbers of the parameters of the lens that are zero without the other :data:`FLAWS`."""
+    return [number for name, numbers in FLAWS.items() if name not in flaws for number in numbers]
 
 
 def lens_of(vector):
@@ -82,11 +92,13 @@ def project(camera, x, y, z):
             camera.focal * camera.aspect * y + camera.centre[1])
 
 
-def guess(size, focal, indices, points):
-    """Parameters of an equidistant lens of ``focal`` pixels, the poses by direct linear fits."""
+def guess(size, focal, aspect, indices, points):
+    """Parameters of an equidistant lens of ``focal`` pixels and a pixel ``aspect``, the poses by
+    direct linear fits."""
     centre = (np.array(size) - 1) / 2
     lens = np.concatenate([[focal], centre, np.zeros(LENS - 3)])
-    return np.concatenate([lens] + [_pose(index, (xy - centre) / focal)
+    lens[ASPECT] = MAX_RATIO[0] * np.arctanh((aspect - 1) / MAX_RATIO[0])
+    return np.concatenate([lens] + [_pose(index, (xy - centre) / (focal, focal * aspect))
                                     for index, xy in zip(indices, points)])
 
 

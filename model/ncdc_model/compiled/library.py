@@ -5,6 +5,7 @@ import os
 import shutil
 import subprocess
 from functools import cache
+from hashlib import sha256
 from pathlib import Path
 
 import numpy as np
@@ -18,6 +19,7 @@ __all__ = ["library", "pointer", "structure"]
 _SOURCES = ("coordinates.c", "pictures.c", "products.c", "search.c")
 # Integer arithmetic wraps as NumPy's does, and a product is rounded before it is added.
 _FLAGS = ("-std=gnu11", "-O3", "-march=native", "-fwrapv", "-ffp-contract=off", "-fPIC", "-shared")
+_NAME, _DIGEST = "model.so", "model.sha256"
 _COMPILERS = ("cc", "gcc", "clang")
 
 
@@ -25,8 +27,8 @@ def library():
     """The shared library of the C functions.
 
     It is compiled at its first use on a machine, which takes seconds, and stays in the folder of
-    the builds. Its key includes all macros of the compiler: its version, and the instructions that
-    this processor has.
+    the builds; one whose bytes have changed is compiled again. Its key includes all macros of the
+    compiler: its version, and the instructions that this processor has.
 
     Raises
     ------
@@ -53,12 +55,27 @@ def _load():
     sources = [Path(__file__).with_name(name) for name in _SOURCES]
     macros = _output([compiler, "-march=native", "-dM", "-E", "-x", "c", os.devnull])
     key = key_of("model", macros, *_FLAGS, *(source.read_text() for source in sources))
-    folder = built(key, lambda folder: _output(
-        [compiler, *_FLAGS, "-o", str(folder / "model.so"), *map(str, sources)]))
+
+    def build(folder):
+        _output([compiler, *_FLAGS, "-o", str(folder / _NAME), *map(str, sources)])
+        (folder / _DIGEST).write_text(_digest(folder))
+    folder = built(key, build, _whole)
     try:
-        return ctypes.CDLL(str(folder / "model.so"))
+        return ctypes.CDLL(str(folder / _NAME))
     except OSError as error:
         raise InputError(f"cannot load the compiled model: {error}") from error
+
+
+def _digest(folder):
+    return sha256((folder / _NAME).read_bytes()).hexdigest()
+
+
+def _whole(folder):
+    """Whether a build holds the bytes that were compiled: to load others may end the process."""
+    try:
+        return (folder / _DIGEST).read_bytes() == _digest(folder).encode()
+    except OSError:
+        return False
 
 
 def _compiler():

@@ -9,11 +9,13 @@ import numpy as np
 
 from ncdc_model.calibration.camera_file import load_camera_map, training_grid
 from ncdc_model.calibration.frame import IdealFrame, ideal_frame
+from ncdc_model.calibration.page_bend import PHOTOS
 from ncdc_model.calibration.points import TargetPoints
 from ncdc_model.calibration.points_csv import is_points_csv, load_csv
-from ncdc_model.calibration.quality import uneven
+from ncdc_model.calibration.quality import bent, uneven
 from ncdc_model.calibration.remap_file import are_remap_files
 from ncdc_model.calibration.remap_source import load_remap
+from ncdc_model.flaw_figures import SAG, sag_effect
 from ncdc_model.golden.smooth_masks import smooth_masks
 from ncdc_model.golden.valid import REACH, Calibrated, Covering, Masks, connected, grid_pitch, grown
 from ncdc_model.training.region import region_of
@@ -60,7 +62,8 @@ class Source:
     facts : dict
         For the report: for remap tables ``source_columns`` and ``source_rows``, the smallest and
         the largest that they read; ``notes`` and ``warnings``, sentences on how the file was read,
-        and on what is odd about it.
+        and on what is odd about it; of one or two photos of a page ``page_sag``: how far the map
+        would be off (``rms_px``, ``max_px``) if the page was bent by ``sag_percent`` of its extent.
     blank_beyond : float, optional
         Pixels, for points: what is known of the map less certainly is not valid.
     """
@@ -224,7 +227,16 @@ def _of_points(path, points, kind, size, zoom, options):
                             connected(smooth.unfolded), smooth.covered)
     return Source((u, v, x, y), geometry, covering=covering, smooth=smooth,
                   anchors=anchors, provenance=provenance, frame=frame,
-                  facts={"warnings": uneven(points, frame)})
+                  facts=_flatness(points, frame))
+
+
+def _flatness(points, frame):
+    """Facts on the shape of the page: warnings, and what few photos do not show of it."""
+    facts = {"warnings": bent(frame) + uneven(points, frame)}
+    if points.page or len(frame.names) >= PHOTOS:
+        return facts
+    rms, most = sag_effect(frame.camera, frame, SAG)
+    return facts | {"page_sag": {"sag_percent": 100 * SAG, "rms_px": rms, "max_px": most}}
 
 
 def _numbers(frame):

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from ncdc_model.calibration.files.lens import numbers
+from ncdc_model.calibration.files.lens import flag, numbers, single
 from ncdc_model.lens.frame import Frame
 from ncdc_spec.errors import InputError
 
@@ -93,8 +93,7 @@ def windowed(lens, table):
         raise InputError(f"roi is {roi!r}, names and values are needed")
     x, y, width, height = (_count(roi.get(name) or 0, f"roi {name}")
                            for name in ("x_offset", "y_offset", "width", "height"))
-    if str(roi.get("do_rectify", False)).lower() not in ("true", "false", "0", "1", "0.0", "1.0"):
-        raise InputError(f"roi do_rectify is {roi['do_rectify']!r}, true or false is needed")
+    flag(roi.get("do_rectify"), "roi do_rectify")
     if binning == [1, 1] and not any((x, y, width, height)):
         return lens
     if lens.size is None:
@@ -131,7 +130,7 @@ def _check_binning(lens, binning, size):
 
 
 def _count(value, name):
-    number = float(value)
+    number = single(value, name)
     if number != int(number) or number < 0:
         raise InputError(f"{name} is {number:g}, a whole number from 0 on is needed")
     return int(number)

@@ -7,6 +7,7 @@ import numpy as np
 from ncdc_model.calibration.files.distortion import fisheye, perspective, unified_sphere
 from ncdc_model.calibration.files.lens import file_lens, matrix_of, numbers
 from ncdc_model.calibration.files.opencv import size_of
+from ncdc_model.calibration.files.unread import check_read
 from ncdc_spec.errors import InputError
 
 __all__ = ["camodocal_lens", "is_camodocal"]
@@ -41,6 +42,9 @@ def camodocal_lens(table):
         raise InputError(f"the model is {model} of camodocal, one of {', '.join(_FOCAL)} is needed")
     projection = table["projection_parameters"]
     values = {**(table.get("distortion_parameters") or {}), **projection}
+    check_read(table, ("model_type", "distortion_parameters", "projection_parameters",
+                       "mirror_parameters"))
+    check_read(values, _COEFFICIENTS[model] + _FOCAL[model])
     k = numbers([values[name] for name in _COEFFICIENTS[model]], "list of distortion coefficients")
     matrix = matrix_of(*(projection[name] for name in _FOCAL[model]))
     if model == "MEI":

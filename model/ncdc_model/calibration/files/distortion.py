@@ -5,7 +5,7 @@ import numpy as np
 
 from ncdc_spec.errors import InputError
 
-__all__ = ["field_of_view", "fisheye", "modified_brown", "on_angle", "perspective",
+__all__ = ["division", "field_of_view", "fisheye", "modified_brown", "on_angle", "perspective",
            "unified_sphere"]
 
 
@@ -59,6 +59,14 @@ def modified_brown(a, b, coefficients):
     x, y = a * scale, b * scale
     return (x + 2 * t1 * x * y + t2 * (q + 2 * x * x),
             y + t1 * (q + 2 * y * y) + 2 * t2 * x * y)
+
+
+def division(a, b, coefficients):
+    """Division model: the ideal point is the distorted one of radius r over 1 + k r r."""
+    k, = coefficients
+    with np.errstate(invalid="ignore"):
+        scale = 2 / (1 + np.sqrt(1 - 4 * k * (a * a + b * b)))
+    return a * scale, b * scale
 
 
 def field_of_view(a, b, w):

@@ -18,6 +18,7 @@ from ncdc_model.calibration.files.lens import (
     numbers,
     whole,
 )
+from ncdc_model.calibration.files.unread import check_read
 from ncdc_spec.errors import InputError
 
 __all__ = ["is_camchain", "kalibr_lens"]
@@ -25,6 +26,7 @@ __all__ = ["is_camchain", "kalibr_lens"]
 # Names of the intrinsics before the focal lengths and the principal point, by projection.
 _INTRINSICS = {"pinhole": (), "omni": ("xi",), "eucm": ("alpha", "beta"), "ds": ("xi", "alpha")}
 _COEFFICIENTS = {"radtan": 4, "equidistant": 4, "fov": 1, "none": 0}
+_NAMES = "distortion_coeffs", "distortion_coefficients"
 _LONG = {"equi": "equidistant", "radial-tangential": "radtan"}
 _DISTORTIONS = {"pinhole": tuple(_COEFFICIENTS), "omni": ("radtan", "none"), "eucm": ("none",),
                 "ds": ("none",)}
@@ -77,8 +79,11 @@ def kalibr_lens(table, camera=None):
     width, height = entry["resolution"]
     own = len(_INTRINSICS[projection])
     values = numbers(entry["intrinsics"], "list of intrinsics", (own + 4,))
-    given = entry.get("distortion_coeffs", entry.get("distortion_coefficients"))
-    k = coefficients(given, f"{camera} {distortion}", (_COEFFICIENTS[distortion],))
+    name = next((name for name in _NAMES if name in entry), None)
+    if name is None and distortion != "none":
+        raise KeyError(_NAMES[0])
+    check_read(entry, (name, "camera_model", "intrinsics", "distortion_model", "resolution"))
+    k = coefficients(entry.get(name), f"{camera} {distortion}", (_COEFFICIENTS[distortion],))
     model = f"{camera} {projection} {distortion}".removesuffix(" none")
     return file_lens((whole(width, "width"), whole(height, "height")), matrix_of(*values[own:]),
                      _distortion(projection, values[:own], distortion, k), model)

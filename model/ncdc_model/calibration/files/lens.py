@@ -7,7 +7,10 @@ import numpy as np
 from ncdc_model.lens.inverse import planar_inverse
 from ncdc_spec.errors import InputError
 
-__all__ = ["FileLens", "choose", "coefficients", "file_lens", "matrix_of", "numbers", "whole"]
+__all__ = ["UNBENT", "FileLens", "choose", "coefficients", "file_lens", "flag", "matrix_of",
+           "numbers", "single", "whole"]
+
+UNBENT = "the file holds no distortion coefficients: a lens without distortion is taken"
 
 
 @dataclass(frozen=True)
@@ -129,10 +132,19 @@ def matrix_of(fx, fy, cx, cy, skew=0.0):
     return np.array([[fx, skew, cx], [0, fy, cy], [0, 0, 1]])
 
 
+def _holds_bool(value):
+    if isinstance(value, (list, tuple)):
+        return any(map(_holds_bool, value))
+    return isinstance(value, (bool, np.bool_)) or getattr(value, "dtype", None) is np.dtype(bool)
+
+
 def numbers(value, name, shape=None):
-    """``value`` as flat finite floats; :class:`InputError` unless of ``shape``."""
+    """``value`` as flat finite floats; :class:`InputError` unless of ``shape``, or if a value is
+    true or false."""
     if isinstance(value, dict):
         value = value["data"]
+    if _holds_bool(value):
+        raise InputError(f"the {name} holds true or false, numbers are needed")
     array = np.array(value, np.float64).ravel()
     if shape is not None and array.shape != shape:
         raise InputError(f"the {name} has {array.size} numbers, {shape[0]} are needed")
@@ -162,9 +174,24 @@ def coefficients(value, model, allowed):
     return k[:fitting[0]]
 
 
+def single(value, name):
+    """``value`` as a finite float, for a reader that has its own sentence on what is needed."""
+    if _holds_bool(value):
+        raise InputError(f"the {name} is {str(value).lower()}, a number is needed")
+    return float(value)
+
+
+def flag(value, name):
+    """Whether ``value``, true or false in any of the notations of the formats, is true."""
+    text = str(value).lower()
+    if text not in ("true", "false", "0", "1", "0.0", "1.0", "none"):
+        raise InputError(f"{name} is {' '.join(repr(value).split())[:60]}, true or false is needed")
+    return text in ("true", "1", "1.0")
+
+
 def whole(value, name):
     """``value`` as a side of an image, in pixels."""
-    number = float(value)
+    number = single(value, f"image {name}")
     if number != int(number) or number < 1:
         raise InputError(f"the image {name} is {number:g}, a whole number of pixels is needed")
     return int(number)

@@ -8,6 +8,7 @@ import numpy as np
 
 from ncdc_model.calibration.files.distortion import perspective
 from ncdc_model.calibration.files.lens import file_lens, matrix_of, numbers, whole
+from ncdc_model.calibration.files.unread import check_read
 from ncdc_spec.errors import InputError
 
 __all__ = ["is_mrcal", "mrcal_lens"]
@@ -47,6 +48,7 @@ def mrcal_lens(text):
     if model not in _COEFFICIENTS:
         raise InputError(f"the lens model is {model} of mrcal, one of {', '.join(_COEFFICIENTS)} "
                          f"is needed")
+    check_read(table, (*_NAMES, "intrinsics"))
     width, height = table["imagersize"]
     count = _COEFFICIENTS[model]
     values = numbers(table["intrinsics"], f"list of intrinsics of {model}", (4 + count,))

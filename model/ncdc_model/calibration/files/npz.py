@@ -6,6 +6,7 @@ from io import BytesIO
 import numpy as np
 
 from ncdc_model.calibration.files.opencv import is_opencv, opencv_lens
+from ncdc_model.calibration.files.unread import may_bend
 from ncdc_spec.errors import InputError
 from ncdc_spec.geometry import MIN_SIZE
 
@@ -33,9 +34,20 @@ def npz_lens(content, camera=None):
     try:
         tables = {name: value.item() if value.ndim == 0 else value
                   for name, value in _arrays(content).items()}
+        _check_skipped(content, tables)
     except (OSError, EOFError, zipfile.BadZipFile, NotImplementedError) as error:
         raise InputError(f"it is no .npz that can be read: {error}") from error
     return opencv_lens(tables, camera)
+
+
+def _check_skipped(content, tables):
+    """Reject a file with an array that may be distortion and is none of ``tables``."""
+    with zipfile.ZipFile(BytesIO(content)) as archive:
+        names = [name.removesuffix(".npy") for name in archive.namelist()]
+    for name in names:
+        if name not in tables and may_bend(name):
+            raise InputError(f"{name} may be distortion, but is no array of at most {_LARGEST} "
+                             f"bytes of numbers")
 
 
 def _tables(content):

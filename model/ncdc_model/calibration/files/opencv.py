@@ -7,10 +7,19 @@ import numpy as np
 
 from ncdc_model.calibration.files.camera_info import rectified, windowed
 from ncdc_model.calibration.files.distortion import fisheye, perspective, unified_sphere
-from ncdc_model.calibration.files.lens import choose, coefficients, file_lens, numbers, whole
+from ncdc_model.calibration.files.lens import (
+    UNBENT,
+    choose,
+    coefficients,
+    file_lens,
+    flag,
+    numbers,
+    whole,
+)
+from ncdc_model.calibration.files.unread import check_read
 from ncdc_spec.errors import InputError
 
-__all__ = ["first", "is_opencv", "opencv_lens", "opencv_model", "size_of"]
+__all__ = ["camera_matrix", "first", "is_opencv", "opencv_lens", "opencv_model", "size_of"]
 
 _MATRIX = ("camera_matrix", "cameraMatrix", "Camera_Matrix", "intrinsic_matrix", "mtx", "K", "k")
 _COEFFICIENTS = ("distortion_coefficients", "Distortion_Coefficients", "distCoeffs", "dist_coeffs",
@@ -19,6 +28,9 @@ _MODEL = ("distortion_model", "camera_model", "model")
 _SIZE = {"width": ("image_width", "image_Width", "imageWidth", "width"),
          "height": ("image_height", "image_Height", "imageHeight", "height")}
 _BOTH = ("image_size", "imageSize", "img_size", "resolution")
+_OTHERS = ("xi", "fisheye_model", "rectification_matrix", "projection_matrix", "R", "P", "header",
+           "binning_x", "binning_y", "roi")
+_MOST = 64             # radial coefficients of BoofCV
 _FULL = 4, 5, 8, 12, 14
 _PERSPECTIVE = {"plumb_bob": (4, 5), "rational_polynomial": (4, 5, 8), "thin_prism": _FULL[:4],
                 "pinhole": _FULL, "opencv": _FULL, "brown": _FULL, "brown_conrady": _FULL,
@@ -65,22 +77,30 @@ def opencv_lens(table, camera=None):
     inner = {key: value for key, value in table.items()
              if isinstance(value, dict) and is_opencv(value)}
     if inner and not is_opencv(table):
+        check_read(table, inner)
         return opencv_lens(inner[choose(inner, camera)])
     sides = {} if any(key in table for key in _MATRIX) else _sides(table)
     if sides:
         chosen = choose(sides, camera)
-        table = {**table, **sides[chosen]}
+        table = {key: value for key, value in table.items() if _side(key) not in sides}
+        table |= sides[chosen]
     else:
         _unnamed(camera)
     if not any(key in table for names in (_MATRIX, _COEFFICIENTS, *_SIZE.values())
                for key in names):
         names = ", ".join(map(str, list(table)[:8])) or "none"
         raise InputError(f"it is none of the camera files that are known: its names are {names}")
-    matrix, warnings = _matrix(table), []
+    # Open3D writes intrinsic_matrix column by column.
+    matrix, warnings = camera_matrix(first(table, _MATRIX), "intrinsic_matrix" in table,
+                                     "xi" in table), []
     values = first(table, _COEFFICIENTS, None)
     if values is None and name != "none":
-        warnings.append("the file holds no distortion coefficients: a lens without distortion is "
-                        "taken")
+        warnings.append(UNBENT)
+    used = [next((key for key in names if table.get(key) is not None), None)
+            for names in (_MATRIX, _COEFFICIENTS)]
+    check_read(table, {*used, *_MODEL, *_SIZE["width"], *_SIZE["height"], *_BOTH, *_OTHERS},
+               bent=name == "none" or "xi" in table or values is not None and (
+                   numbers(values, "list of distortion coefficients").any()))
     model, distortion = opencv_model(table, name, values)
     lens = file_lens(size_of(table), matrix, distortion, model, warnings=tuple(warnings))
     return windowed(rectified(lens, table), table)
@@ -88,7 +108,7 @@ def opencv_lens(table, camera=None):
 
 def opencv_model(table, name, values):
     """Name for reports and distortion of the model ``name`` with the coefficients ``values``."""
-    wide = name in _FISHEYE or bool(first(table, ("fisheye_model",), 0))
+    wide = name in _FISHEYE or flag(table.get("fisheye_model"), "fisheye_model")
     if not name and "K" in table and "D" in table:
         wide = wide or numbers(values, "distortion coefficients").size == 4
     if "xi" in table:
@@ -116,29 +136,40 @@ def size_of(table):
     return None
 
 
-def _matrix(table):
-    matrix = numbers(first(table, _MATRIX), "camera matrix", (9,)).reshape(3, 3)
-    if "intrinsic_matrix" in table and (matrix[:, 2] == (0, 0, 1)).all():
-        matrix = matrix.T       # Open3D's, column by column
+def camera_matrix(values, by_column=False, skewed=False):
+    """Matrix (3, 3) of nine numbers, ``by_column`` if they may be; :class:`InputError` if it is no
+    [[fx, 0, cx], [0, fy, cy], [0, 0, 1]], or of a skew that is not ``skewed``."""
+    matrix = numbers(values, "camera matrix", (9,)).reshape(3, 3)
+    if by_column and (matrix[:, 2] == (0, 0, 1)).all():
+        matrix = matrix.T
     if (matrix[2] != (0, 0, 1)).any() or matrix[1, 0]:
         raise InputError(f"the camera matrix is {matrix.tolist()}, [[fx, 0, cx], [0, fy, cy], "
                          f"[0, 0, 1]] is needed")
-    if matrix[0, 1] and "xi" not in table:
+    if matrix[0, 1] and not skewed:
         raise InputError(f"the camera matrix has the skew {matrix[0, 1]:g}, which OpenCV's models "
                          f"do not have")
     return matrix
 
 
 def _sides(table):
-    """Tables of the cameras of a stereo file, by their names: 1 and 2, left and right."""
+    """Tables of the cameras of a stereo file, by their names: 1 and 2, left and right.
+
+    A single number, such as the coefficient k1, is no matrix of a camera.
+    """
     sides = {}
     for key, value in table.items():
-        if found := _SIDE.fullmatch(str(key)):
-            side = {"l": "left", "r": "right"}.get(found[2].lower(), found[2].lower())
-            kind = found[1].lower()
+        if np.ndim(value.get("data", 0) if isinstance(value, dict) else value) and (
+                side := _side(key)):
+            kind = _SIDE.fullmatch(key)[1].lower()
             plain = _PLAIN.get(kind, "dist" if kind.startswith("d") else "mtx")
             sides.setdefault(side, {})[plain] = value
     return {side: part for side, part in sides.items() if {"K", "mtx"} & part.keys()}
+
+
+def _side(key):
+    """1, 2, left or right, if the name is that of a value of one of two cameras."""
+    found = _SIDE.fullmatch(str(key))
+    return found and {"l": "left", "r": "right"}.get(found[2].lower(), found[2].lower())
 
 
 def _omnidirectional(table):
@@ -148,6 +179,11 @@ def _omnidirectional(table):
         [pinhole["fx"], pinhole["fy"], pinhole["cx"], pinhole["cy"], pinhole.get("skew", 0.0),
          bends.get("t1", 0.0), bends.get("t2", 0.0), table["mirror_offset"]], "camera", (8,))
     radial = numbers(bends.get("radial") or [0.0], "radial coefficients")
+    if len(radial) > _MOST:
+        raise InputError(f"radial holds {len(radial)} coefficients, the limit is {_MOST}")
+    check_read(table, ("pinhole", "radial_tangential", "mirror_offset", *_MODEL))
+    check_read({**pinhole, **bends}, ("width", "height", "fx", "fy", "cx", "cy", "skew", "radial",
+                                      "t1", "t2"))
     return file_lens(size, np.array([[fx, skew, cx], [0, fy, cy], [0, 0, 1]]),
                      lambda a, b: unified_sphere(a, b, offset, radial, (t1, t2)),
                      "omnidirectional_universal")

@@ -5,7 +5,19 @@ from pathlib import Path
 
 import numpy as np
 
-from ncdc_model.calibration.files import colmap, matlab, mrcal, nerf, realsense, ros_ini
+from ncdc_model.calibration.files import (
+    colmap,
+    depthai,
+    matlab,
+    mccalib,
+    mrcal,
+    nerf,
+    ocam,
+    opensfm,
+    realsense,
+    ros_ini,
+    stella,
+)
 from ncdc_model.calibration.files.camodocal import camodocal_lens, is_camodocal
 from ncdc_model.calibration.files.kalibr import is_camchain, kalibr_lens
 from ncdc_model.calibration.files.known import (
@@ -15,11 +27,13 @@ from ncdc_model.calibration.files.known import (
 )
 from ncdc_model.calibration.files.npz import npz_lens
 from ncdc_model.calibration.files.opencv import opencv_lens
-from ncdc_model.calibration.files.tables import table_of
+from ncdc_model.calibration.files.tables import is_json, table_of
 from ncdc_spec.errors import InputError
 from ncdc_spec.geometry import MAX_SIZE, MIN_SIZE
 
 __all__ = ["read_lens"]
+
+_LARGEST = 1 << 25     # bytes: JSON of this size takes some 10 seconds of CPU time
 
 
 def read_lens(path, content, camera=None, sensor=None):
@@ -48,12 +62,17 @@ def read_lens(path, content, camera=None, sensor=None):
         raise InputError(f"the camera lacks the value {error.args[0]}") from error
     except InputError:
         raise
+    except RecursionError as error:
+        raise InputError("the camera is nested too deep, or holds itself") from error
     except (TypeError, ValueError, AttributeError, IndexError, OverflowError) as error:
         raise InputError(f"the camera holds a value of the wrong kind: {error}") from error
     return _checked_centre(_sized(lens, sensor))
 
 
 def _lens(suffix, content, camera):
+    if len(content) > _LARGEST:
+        raise InputError(f"it is no camera file: it has {len(content)} bytes, the limit is "
+                         f"{_LARGEST}")
     if suffix == ".npz":
         return npz_lens(content, camera)
     if suffix == ".mat" or content.startswith(b"MATLAB "):
@@ -66,10 +85,18 @@ def _lens(suffix, content, camera):
     except UnicodeDecodeError as error:
         raise InputError(f"it is no camera file: byte {error.start} is no UTF-8 text") from error
     reject_known_text(text)
+    return _of_text(text, camera)
+
+
+def _of_text(text, camera):
+    if is_json(text) and not mrcal.is_mrcal(text):
+        return _of_table(table_of(text), camera)
     for fits, read in ((ros_ini.is_ini, ros_ini.ini_lens), (colmap.is_colmap, colmap.text_lens),
                        (matlab.is_script, matlab.script_lens)):
         if fits(text):
             return read(text, camera)
+    if ocam.is_ocam(text):
+        return _only(ocam.ocam_lens(text), camera)
     if mrcal.is_mrcal(text):
         return _only(mrcal.mrcal_lens(text), camera)
     if printed := realsense.printed_cameras(text):
@@ -86,6 +113,13 @@ def _of_table(table, camera):
         return realsense.realsense_lens(table, camera)
     if nerf.is_nerf(table):
         return nerf.nerf_lens(table, camera)
+    for fits, read in ((mccalib.is_mccalib, mccalib.mccalib_lens),
+                       (depthai.is_depthai, depthai.depthai_lens),
+                       (opensfm.is_opensfm, opensfm.opensfm_lens)):
+        if fits(table):
+            return read(table, camera)
+    if stella.is_stella(table):
+        return _only(stella.stella_lens(table), camera)
     reject_known_table(table)
     return opencv_lens(table, camera)
 

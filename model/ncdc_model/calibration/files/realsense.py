@@ -3,6 +3,8 @@
 import re
 from functools import partial
 
+import numpy as np
+
 from ncdc_model.calibration.files.distortion import (
     field_of_view,
     fisheye,
@@ -11,12 +13,15 @@ from ncdc_model.calibration.files.distortion import (
 )
 from ncdc_model.calibration.files.lens import choose, file_lens, matrix_of, numbers, whole
 from ncdc_model.calibration.files.opencv import first
+from ncdc_model.calibration.files.unread import check_read
 from ncdc_spec.errors import InputError
 
 __all__ = ["is_realsense", "printed_cameras", "realsense_lens"]
 
 _MODELS = ("none", "modified_brown_conrady", "inverse_brown_conrady", "ftheta", "brown_conrady",
            "kannala_brandt4")
+_MODEL = "model", "distortion_model", "distortion"
+_COEFFICIENTS = "coeffs", "coefficients", "distortion_coeffs"
 _BLOCK = re.compile(r"Intrinsic of \"(?P<name>[^\"]+)\"\s*/?\s*(?P<size>\d+x\d+)[^\n]*\n"
                     r"(?P<values>(?:[^\S\n]*[A-Za-z][^\n:]*:[^\n]*\n?)+)")
 
@@ -66,19 +71,23 @@ def realsense_lens(table, camera=None):
     if camera is not None and list(cameras) == [""]:
         raise InputError(f"camera {camera} is asked for, the file holds one camera without a name")
     chosen = cameras[choose(cameras, camera)]
-    model = first(chosen, ("model", "distortion_model", "distortion"))
+    model = first(chosen, _MODEL)
     name = re.sub(r"^(rs2?_distortion_|distortion\.)", "", str(model).strip().lower())
     name = re.sub(r"[\s\-]+", "_", name)
     name = _MODELS[int(name)] if name.isdecimal() and int(name) < len(_MODELS) else name
     if name not in _MODELS:
         raise InputError(f"the distortion model is {model!r}, one of {', '.join(_MODELS)} is "
                          f"needed")
-    k = numbers(first(chosen, ("coeffs", "coefficients", "distortion_coeffs")),
-                "list of coefficients", (5,))
+    k = numbers(first(chosen, _COEFFICIENTS), "list of coefficients", (5,))
+    used = next(key for key in _COEFFICIENTS if chosen.get(key) is not None)
+    check_read(chosen, (used, *(key for key in _MODEL if np.isscalar(chosen.get(key)))))
     if name == "inverse_brown_conrady" and k.any():
         raise InputError("the model inverse_brown_conrady with coefficients is not supported, as "
                          "versions of librealsense differ in what they mean; calibrate the camera "
                          "as brown_conrady, or make a map")
+    if name == "none" and k.any():
+        raise InputError(f"the distortion model is none, with coefficients that are not 0; one of "
+                         f"{', '.join(_MODELS[1:])} uses them")
     distortion = {"brown_conrady": partial(perspective, coefficients=k),
             "modified_brown_conrady": partial(modified_brown, coefficients=k),
             "kannala_brandt4": partial(fisheye, coefficients=k[:4]),

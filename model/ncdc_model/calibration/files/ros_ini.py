@@ -3,6 +3,7 @@
 import re
 
 from ncdc_model.calibration.files.opencv import opencv_lens
+from ncdc_model.calibration.files.unread import may_bend
 from ncdc_spec.errors import InputError
 
 __all__ = ["ini_lens", "is_ini"]
@@ -37,7 +38,12 @@ def ini_lens(text, camera=None):
             table[name] = [value for row in range(rows) for value in _row(lines, k + 1 + row)]
     names = [line[1:-1] for line in lines if line.startswith("[") and line.endswith("]")]
     names = [name for name in names if name not in ("image", "externals")]
-    count = len(table.get("distortion_coefficients", ()))
+    unread = [line for line in lines if line not in _MATRICES and may_bend(line.strip("[]"))
+              and line.strip("[]") not in names]
+    if unread:
+        raise InputError(f"the line {unread[0]!r} may be distortion, only one named distortion is "
+                         f"read")
+    count = len(table["distortion_coefficients"])
     table["distortion_model"] = "rational_polynomial" if count > 5 else "plumb_bob"
     return opencv_lens(table, None if camera in names else camera)
 

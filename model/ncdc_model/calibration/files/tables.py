@@ -9,7 +9,13 @@ import yaml
 
 from ncdc_spec.errors import InputError
 
-__all__ = ["file_storage", "table_of"]
+__all__ = ["file_storage", "is_json", "table_of"]
+
+# What takes some 10 seconds of CPU time: characters of YAML, PyYAML's aliases, of which each may
+# double the table, and values of OpenCV's FileStorage outside of its matrices.
+_LARGEST_YAML = 1 << 20
+_MOST_ALIASES = 16
+_MOST_VALUES = 20_000
 
 
 def table_of(text):
@@ -17,7 +23,8 @@ def table_of(text):
 
     OpenCV's FileStorage (a first line %YAML, or XML) is read by OpenCV, its matrices as
     arrays; JSON by Python, and any other YAML, ROS's among it, by PyYAML. A YAML file of several
-    documents, as ``rostopic echo`` prints them, is read if they differ in their header only.
+    documents, as ``rostopic echo`` prints them, is read if they differ in their header only. Tables
+    in a list are named by their places, from 0.
 
     Raises
     ------
@@ -27,10 +34,10 @@ def table_of(text):
     try:
         if text.startswith(("%YAML", "<?xml")):
             table = _opencv(text)
-        elif text.lstrip().startswith("{"):
+        elif is_json(text):
             table = _json(text)
         else:
-            table = _one([part for part in yaml.load_all(text, _Loader) if part is not None])
+            table = _yaml(text)
     except RecursionError as error:
         raise InputError("it is no camera file: it is nested too deep") from error
     except yaml.YAMLError as error:
@@ -41,13 +48,27 @@ def table_of(text):
         if isinstance(error, InputError):
             raise
         raise InputError(f"it is no camera file: {error}") from error
+    if isinstance(table, list) and table and all(isinstance(part, dict) for part in table):
+        table = {str(place): part for place, part in enumerate(table)}
     if not isinstance(table, dict):
         raise InputError("it is no camera file: it holds no names and values")
     return table
 
 
+def is_json(text):
+    """Whether ``text`` begins as a table or a list of tables in JSON."""
+    return re.match(r"\s*(\[\s*)?\{", text) is not None
+
+
 class _Loader(yaml.SafeLoader):
-    """PyYAML's safe loader, which rejects a name that a mapping holds twice."""
+    """PyYAML's safe loader, which rejects a name that a mapping holds twice, and many aliases."""
+    aliases = 0
+
+    def compose_node(self, parent, index):
+        self.aliases += self.check_event(yaml.AliasEvent)
+        if self.aliases > _MOST_ALIASES:
+            raise InputError(f"it holds more than {_MOST_ALIASES} aliases of YAML")
+        return super().compose_node(parent, index)
 
     def construct_mapping(self, node, deep=False):
         seen = set()
@@ -66,7 +87,11 @@ _Loader.add_constructor("tag:yaml.org,2002:opencv-matrix",
                         lambda loader, node: loader.construct_mapping(node, deep=True))
 
 
-def _one(documents):
+def _yaml(text):
+    if len(text) > _LARGEST_YAML:
+        raise InputError(f"it is no camera file: it holds {len(text)} characters of YAML or other "
+                         f"text, the limit is {_LARGEST_YAML}")
+    documents = [part for part in yaml.load_all(text, _Loader) if part is not None]
     if len(documents) > 1:
         plain = [{name: value for name, value in part.items() if name != "header"}
                  if isinstance(part, dict) else part for part in documents]
@@ -89,7 +114,7 @@ def _json(text):
     except json.JSONDecodeError as error:
         try:
             # Braces without quotes around the names are YAML.
-            return _one(list(yaml.load_all(text, _Loader)))
+            return _yaml(text)
         except yaml.YAMLError:
             raise InputError(f"it is no camera file: line {error.lineno}, column {error.colno}: "
                              f"{error.msg}") from error
@@ -105,8 +130,7 @@ def _opencv(text):
             raise
         # YAML that OpenCV does not understand, or an error whose column PyYAML reports. The first
         # line becomes an empty one.
-        return _one([part for part in yaml.load_all(text[text.index("\n"):], _Loader)
-                     if part is not None]) if "\n" in text else {}
+        return _yaml(text[text.index("\n"):]) if "\n" in text else {}
 
 
 def _in_words(error):
@@ -136,11 +160,13 @@ def file_storage(text):
     cv2.error, SystemError
         If OpenCV cannot read it.
     InputError
-        If it holds a name twice.
+        If it holds a name twice, or too many values.
     """
+    # OpenCV takes true for 1; as text it is no number.
+    text = re.sub(r"(?<=[\[,:\s])(true|false)(?=\s*[\],}\n])", r'"\1"', text, flags=re.I)
     storage = cv2.FileStorage(text, cv2.FILE_STORAGE_READ | cv2.FILE_STORAGE_MEMORY)
     try:
-        return _plain(storage.root())
+        return _plain(storage.root(), [_MOST_VALUES])
     finally:
         storage.release()
 
@@ -162,17 +188,21 @@ def _check_matrix(node):
     return True
 
 
-def _plain(node):
+def _plain(node, room):
+    """Content of ``node``; ``room`` is the list of the number of values that may yet come."""
+    room[0] -= 1 if node.isMap() else node.size()
+    if room[0] < 0:
+        raise InputError(f"it holds more than {_MOST_VALUES} values outside of its matrices")
     if node.isMap():
         names = node.keys()
         if {"rows", "cols", "data"} <= set(names):
             return np.atleast_2d(node.mat()) if _check_matrix(node) else np.zeros((0, 0))
-        for name in names:
-            if names.count(name) > 1:
-                raise InputError(f"the name {name} stands in it twice")
-        return {name: _plain(node.getNode(name)) for name in names}
+        if len(set(names)) < len(names):
+            twice = next(name for name in names if names.count(name) > 1)
+            raise InputError(f"the name {twice} stands in it twice")
+        return {name: _plain(node.getNode(name), room) for name in names}
     if node.isSeq():
-        return [_plain(node.at(k)) for k in range(node.size())]
+        return [_plain(node.at(k), room) for k in range(node.size())]
     if node.isString():
         return node.string()
     return None if node.isNone() or node.empty() else node.real()

@@ -19,11 +19,11 @@ gain is 1 - u' / u.
 import numpy as np
 
 from ncdc_model.calibration.smooth_problem import SPREAD
-from ncdc_model.calibration.smooth_vector import FLAWS, LENS, lens_of, project
+from ncdc_model.calibration.smooth_vector import LENS, fixed, lens_of, project
 
 __all__ = ["Information"]
 
-_FREE = np.flatnonzero(~FLAWS[:-1])     # of the lens; the last is the target's ratio of distances
+_FREE = np.setdiff1d(np.arange(LENS - 1), fixed(()))     # the last: the ratio of distances
 _GRID = 16, 12          # positions in the picture where the map is judged
 _PROBE = 1e-3           # of a parameter's usual deviation: step of a derivative
 _TURN = 1e-5            # of a direction: step of a derivative
