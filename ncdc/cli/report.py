@@ -12,6 +12,7 @@ from ncdc.report.camera import (
     lens_section,
     photo_section,
     points_section,
+    region_of_points,
 )
 from ncdc.report.page import camera_page
 from ncdc.terminal import Progress
@@ -65,7 +66,11 @@ def run(args) -> None:
     sections, lens = _photo_sections(descriptor, material, photo, number), None
     if material.camera is not None:
         lens = lens_section(material.camera, material.frame)
-        sections += [lens, accuracy_section(descriptor, material.camera, material.frame)]
+        region = None
+        if material.frame is not None:
+            region = region_of_points(descriptor, material.frame)
+            warnings += filter(None, [region.warning(descriptor.geometry.distorted[0])])
+        sections += [lens, accuracy_section(descriptor, material.camera, material.frame, region)]
     progress(.4, " hardware")
     sections += [hardware_section(descriptor, lambda share: progress(.4 + .6 * share)),
                  commands_section(args.descriptor, photo, material.source)]

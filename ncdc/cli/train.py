@@ -89,6 +89,10 @@ def add_arguments(parser) -> None:
                          help="fit: the camera's full width fills the picture (default, except "
                               "for a file with a projection matrix, which says its frame); fill: "
                               "no pixel without a source; or a number: magnification in the middle")
+    picture.add_argument("--blank-beyond", type=float, metavar="PX",
+                         help="leave blank what the points determine less well than to so many "
+                              "pixels: the picture beyond the outermost points, mostly (default: "
+                              "nothing is left out, and a warning says how well it is known)")
     picture.add_argument("--bayer", choices=BAYERS, default="RGGB",
                          help="colour filter of the sensor, first two rows (default: RGGB); MONO: "
                               "a grey sensor, without one")
@@ -147,6 +151,7 @@ def run(args) -> None:
     source = load_source(args.source, size, args.zoom, args.camera, sensor, args.page,
                          bayer=args.bayer, fill=fill,
                          interpolation=interpolation_of(args.interpolation))
+    source = _blanked(source, args)
     choices = replace(choices, views=view_range_of(args, source))
     _tell_map(source)
     trained = _train(args, source, choices)
@@ -154,13 +159,17 @@ def run(args) -> None:
     plots = plot_training(trained, source, args.output, args.held_out)
     report = trained.report | {"descriptor": str(args.output), "digest": trained.descriptor.digest,
                                "plots": plots}
+    for sentence in report.get("warnings", ()):
+        if sentence not in source.facts.get("warnings", ()):
+            _warn(sentence)
     lost = report["valid_pixels_lost"]
     if lost:
         _warn(f"{lost} pixels with a source are left blank, because their row has more than two "
               f"spans")
     worst = report["map_error_fixed_px"]["max"]
     limit = max(1.0, source.geometry.distorted[0] * _POOR)
-    if worst > limit:
+    learnt = source.region.learnt(fixed_map(trained.descriptor)) if source.region else worst
+    if min(learnt, worst) > limit:
         _warn(f"the largest error of the map is {worst:.3g} px, more than {limit:.3g} px: more "
               f"hidden neurons (--neurons auto), or a zoom that leaves out what they cannot model")
     if not report.get("max_error_met", True):
@@ -168,6 +177,20 @@ def run(args) -> None:
               f"{report['max_error_px']:g} px or less: the smallest of the best ones is taken")
     if not write_report(report, args.json):
         _print_report(args, source, report)
+
+
+def _blanked(source, args):
+    """``source`` with the limit of ``--blank-beyond``."""
+    limit = args.blank_beyond
+    if limit is None:
+        return source
+    if not (np.isfinite(limit) and limit > 0):
+        raise InputError(f"--blank-beyond is {limit:g}, a positive number of pixels is needed")
+    if source.frame is None:
+        raise InputError(f"--blank-beyond is for points, {args.source[0]} holds the map itself")
+    source = replace(source, blank_beyond=limit)
+    _ = source.region           # rejects a limit that leaves nothing, before the training
+    return source
 
 
 def _print_report(args, source, report):
@@ -181,7 +204,9 @@ def _print_report(args, source, report):
     print(error_table({name: report[name] for name in TABLES if name in report}))
     if report["measured_on"] == "region":
         print(f"region: the whole valid region, as estimated from the points; "
-              f"{report['beyond_points_percent']:.1f} % of it lies beyond the outermost ones")
+              f"{report['beyond_points_percent']:.1f} % of it lies beyond the outermost ones"
+              + (f", known to {report['beyond_points_known_px']:.2g} px at worst"
+                 if report["beyond_points_percent"] else ""))
     if "page_sag" in report:
         print(_flat_text(report))
     print(nodes_text(report["nodes"]) + (f", which adds at most {report['nodes_curvature_px']:.5f} "

@@ -184,6 +184,8 @@ def _train(outcome, points, request):
         trained.descriptor.save(Path(folder) / "net.toml")
         outcome.descriptor = (Path(folder) / "net.toml").read_text()
     report, errors = trained.report, trained.report["map_error_fixed_px"]
+    outcome.warnings += [sentence for sentence in report.get("warnings", ())
+                         if sentence not in outcome.warnings]
     outcome.digest = trained.descriptor.digest
     outcome.figures |= {
         "neurons": report["hidden_neurons"], "max_error_px": errors["max"],

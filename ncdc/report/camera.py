@@ -1,6 +1,7 @@
 """The sections of a report on a user's own camera."""
 
 import shlex
+from dataclasses import replace
 
 import cv2
 import numpy as np
@@ -13,12 +14,14 @@ from ncdc_model.calibration.overlay import draw_points
 from ncdc_model.calibration.straightness import corrected_positions, straightness
 from ncdc_model.compare import fitted_view
 from ncdc_model.evaluate import evaluate_frame, fixed_map
+from ncdc_model.lens import Frame
 from ncdc_model.planner.plan import CLOCK_MHZ, plan
 from ncdc_model.plots import plot_error_map, plot_point_errors
+from ncdc_model.training.region import region_of
 from ncdc_spec.hardware import Hardware
 
 __all__ = ["accuracy_section", "commands_section", "hardware_section", "lens_section",
-           "photo_section", "points_section"]
+           "photo_section", "points_section", "region_of_points"]
 
 _MEMORIES = {"sdram": 32, "ddr3": 128}      # bits of the ports
 
@@ -55,8 +58,22 @@ def lens_section(camera, frame=None):
             "rows": [("", "figure", "in words"), *lens_rows(camera, frame)]}
 
 
-def accuracy_section(descriptor, camera, frame=None):
-    """Error tables and maps; those of points and lines if the ``frame`` of training is known."""
+def region_of_points(descriptor, frame):
+    """:class:`Region` of the points of a descriptor, over its valid pixels.
+
+    ``frame``: the :class:`IdealFrame` of the points, for whatever zoom.
+    """
+    focal, *centre = descriptor.provenance["frame"]
+    chosen = Frame(descriptor.geometry.corrected, focal, tuple(centre[:2]), *centre[2:])
+    corrected = chosen.pixel(*frame.camera.frame.ideal(*frame.corrected.T))
+    frame = replace(frame, camera=replace(frame.camera, frame=chosen),
+                    corrected=np.stack(corrected, axis=1))
+    return region_of(frame, descriptor.valid.mask(descriptor.geometry.corrected_width))
+
+
+def accuracy_section(descriptor, camera, frame=None, region=None):
+    """Error tables and maps; those of points and lines if the ``frame`` of training is known, and
+    that of the whole ``region`` of the points."""
     errors = {name.replace("_", " "): part["map_error_fixed_px"]
               for name, part in descriptor.errors.items()
               if isinstance(part, dict) and "map_error_fixed_px" in part}
@@ -68,7 +85,15 @@ def accuracy_section(descriptor, camera, frame=None):
     maps, lens = {}, "lens of the file" if frame is None else "smooth lens of the points"
     report = evaluate_frame(descriptor, fitted_view(descriptor, camera), maps)
     errors[f"every pixel, from the {lens}"] = report["map_error_fixed_px"]
-    pictures.append(embedded_plot(plot_error_map, maps["fixed"], f"integer network and {lens}"))
+    if region is None:
+        pictures.append(embedded_plot(plot_error_map, maps["fixed"], f"integer network and {lens}"))
+    else:
+        text += (" The second picture has the largest error that is to be expected at each pixel, "
+                 "with what the points leave open: beyond the outermost ones it is mostly that.")
+        bound = region.bound(fixed_map(descriptor), descriptor.valid.mask(
+            descriptor.geometry.corrected_width))
+        pictures.append(embedded_plot(plot_error_map, bound, "integer network, largest error "
+                                      "expected"))
     if frame is not None:
         text += (" The smooth lens has none of the lens's unevenness: the distance from it holds "
                  "what the network has learnt of that.")

@@ -34,7 +34,7 @@ def robust_cost(value, robust):
     return np.where(far <= robust, .5 * far**2, robust * (far - .5 * robust)).sum()
 
 
-def descend(residuals, derivatives, start, robust):
+def descend(residuals, derivatives, start, robust, fall=_FALL):
     """Parameters of a local minimum of the Huber cost, and that cost.
 
     Parameters
@@ -44,6 +44,8 @@ def descend(residuals, derivatives, start, robust):
     start : ndarray, shape (m,)
     robust : float
         Residuals beyond it count linearly.
+    fall : float
+        Part of the cost: a step that lowers it by less is the last.
     """
     here, value, slope = start, residuals(start), None
     cost, damping, growth = robust_cost(value, robust), _FIRST, 2.0
@@ -60,8 +62,8 @@ def descend(residuals, derivatives, start, robust):
             # Nielsen's rule: shrink by the quality of the quadratic model, grow progressively.
             off = 2 * (cost - lower) / max(expected, 1e-300) - 1
             damping, growth = max(damping * max(1 / 5, 1 - off**3), _DAMPED[0]), 2.0
-            here, value, slope, fall, cost = here + move, found, None, cost - lower, lower
-            if fall < _FALL * cost:
+            here, value, slope, gain, cost = here + move, found, None, cost - lower, lower
+            if gain < fall * cost:
                 break
         else:
             damping, growth = damping * growth, 2 * growth

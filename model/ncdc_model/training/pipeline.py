@@ -45,7 +45,7 @@ class TrainedCamera:
         at the top, and ``measured_on`` names it: ``frame`` if the true map is known, else
         ``region``, estimated over the whole valid region (:mod:`ncdc_model.training.region`).
         ``beyond_points`` is its part beyond the outermost points, ``beyond_points_percent`` the
-        size of that part;
+        size of that part, ``beyond_points_known_px`` how well the map is known there;
         ``nodes``, their distance, and ``nodes_curvature_px``, their error from the network; with a
         range of views ``views`` and ``views_nodes_px``, see
         :func:`ncdc_model.view_nodes.errors_report`;
@@ -132,6 +132,9 @@ def describe(source, training, choices):
               "valid_pixels_lost": lost_pixels(mask, rows), **tables}
     if source.region:
         report["beyond_points_percent"] = round(100 * source.region.beyond_part, 1)
+        report["beyond_points_known_px"] = source.region.uncertain
+    if source.blank_beyond is not None:
+        report["blank_beyond_px"] = source.blank_beyond
     if covered is not None:
         report["extrapolated_percent"] = round(100 * float((mask & ~covered).mean()), 3)
     descriptor = replace(draft, errors=report, provenance={
@@ -140,7 +143,15 @@ def describe(source, training, choices):
         dropped = {reason.value: count for reason, count in source.frame.rejected.items()}
         report = report | {"points_dropped": dropped} | measure_map(
             source.frame, float_map(network, source.geometry), out if out.any() else None)
-    return TrainedCamera(descriptor, training, report | source.facts, maps)
+    return TrainedCamera(descriptor, training, report | _facts(source), maps)
+
+
+def _facts(source):
+    """Facts of ``source`` for the report, with a warning of what is not known beyond its points."""
+    sentence = source.region.warning(source.geometry.distorted[0]) if source.region else ""
+    if not sentence:
+        return source.facts
+    return source.facts | {"warnings": [*source.facts.get("warnings", ()), sentence]}
 
 
 def _at_nodes(draft, choices):

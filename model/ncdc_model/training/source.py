@@ -64,6 +64,8 @@ class Source:
         the largest that they read; ``notes`` and ``warnings``, sentences on how the file was read,
         and on what is odd about it; of one or two photos of a page ``page_sag``: how far the map
         would be off (``rms_px``, ``max_px``) if the page was bent by ``sag_percent`` of its extent.
+    blank_beyond : float, optional
+        Pixels, for points: what is known of the map less certainly is not valid.
     """
     pairs: tuple
     geometry: Geometry
@@ -74,16 +76,22 @@ class Source:
     provenance: dict = field(default_factory=dict)
     frame: IdealFrame | None = None
     facts: dict = field(default_factory=dict)
+    blank_beyond: float | None = None
 
     @cached_property
     def region(self):
         """:class:`~ncdc_model.training.region.Region` of points; None without points."""
-        return region_of(self.frame, self.smooth.inside) if self.frame else None
+        return (region_of(self.frame, self.smooth.inside, self.blank_beyond) if self.frame
+                else None)
 
     @cached_property
     def within(self):
-        """Pixels (height, width) near those with a source by the smooth lens; None without it."""
-        return grown(connected(self.smooth.unfolded), _SMOOTH) if self.smooth else None
+        """Pixels (height, width) near those with a source by the smooth lens, but those that are
+        less certain than ``blank_beyond``; None without such a lens."""
+        if not self.smooth:
+            return None
+        near = grown(connected(self.smooth.unfolded), _SMOOTH)
+        return near if self.blank_beyond is None else near & self.region.certain
 
     def __post_init__(self):
         for name in ("pairs", "anchors"):
