@@ -133,7 +133,7 @@ def shown(problem, part, vector, prior):
     problem, part : Problem
         All points, and some of them, to which the fits are made.
     vector : ndarray
-        Parameters of a fit with all flaws.
+        Parameters near those of a fit with all flaws.
     prior : float
         Its weight of the prior.
 
@@ -141,13 +141,13 @@ def shown(problem, part, vector, prior):
     -------
     (flaws, vector)
     """
-    estimate = Estimate.of(problem, vector)
-    worth = _WORTH * (estimate.alike if problem.owner.max() == 0 else np.sqrt(estimate.alike))
     flaws, centred = tuple(FLAWS), vector.copy()
     # A decentring that its higher terms reverse is another minimum.
     centred[DECENTRING] = 0
     vector, cost = min((part.solved(start, prior, flaws) for start in (vector, centred)),
                        key=lambda fit: fit[1])
+    estimate = Estimate.of(problem, vector)
+    worth = _WORTH * (estimate.alike if problem.owner.max() == 0 else np.sqrt(estimate.alike))
     every = len(problem.owner) / len(part.owner)
     for name in sorted(FLAWS, key=lambda name: _weight(estimate, vector, FLAWS[name])):
         others = tuple(other for other in flaws if other != name)
