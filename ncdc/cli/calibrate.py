@@ -207,9 +207,9 @@ def _print(report, photos, measured):
 def _colour_text(colour):
     """One sentence on the lateral colour of raw frames."""
     return (f"raw frames, filter as {colour['pattern']} (by {colour['pattern_from']}): the points "
-            f"are those of green; in the picture's corner red lies {colour['red_px']:+.2f} +- "
-            f"{colour['red_error_px']:.2f} px farther out, blue {colour['blue_px']:+.2f} +- "
-            f"{colour['blue_error_px']:.2f} px")
+            f"are those of {colour['points_of']}; in the picture's corner red lies "
+            f"{colour['red_px']:+.2f} +- {colour['red_error_px']:.2f} px farther out, blue "
+            f"{colour['blue_px']:+.2f} +- {colour['blue_error_px']:.2f} px")
 
 
 class _Photos:

@@ -12,6 +12,7 @@ from ncdc_model.calibration.filters import green_picture, pattern_of
 from ncdc_model.calibration.grids import find_circles
 from ncdc_model.calibration.judged import judged
 from ncdc_model.calibration.overlay import draw_points
+from ncdc_model.example import example_camera, target_photo
 from ncdc_model.images import mosaic
 from ncdc_model.lens import choose_frame
 from ncdc_model.nearest import Nearest
@@ -57,6 +58,7 @@ def test_points_of_raw_frames_are_of_green_and_red_and_blue_are_told(gains, patt
     far = off(points.photos[0].xy, truth)
     assert np.sqrt(np.mean(far**2)) < 0.08 and far.max() < 0.3
     told = points.colour
+    assert told["points_of"] == "green sites" and told["points"] > 40
     # A filter that no file declares is known but for red and blue.
     first, second = sorted((told["red_px"], told["blue_px"]), reverse=declared != pattern)
     if declared:
@@ -64,6 +66,16 @@ def test_points_of_raw_frames_are_of_green_and_red_and_blue_are_told(gains, patt
     assert first == pytest.approx((RED - 1) * CORNER, abs=0.2)
     assert second == pytest.approx((BLUE - 1) * CORNER, abs=0.2)
     assert max(told["red_error_px"], told["blue_error_px"]) < 0.1
+
+
+def test_points_are_of_all_sites_where_red_and_blue_lie_at_the_same_places():
+    """Half of the sites would give more noise, and no other points."""
+    picture = target_photo(example_camera())
+    points = detect_points([("raw.png", picture)], "dots")
+    assert points.colour["points_of"] == "all sites" and points.colour["pattern"] == "RGGB"
+    assert max(abs(points.colour[key]) for key in ("red_px", "blue_px")) < 0.05
+    alone = find_dots(picture)
+    np.testing.assert_array_equal(points.photos[0].xy, alone.xy)
 
 
 def test_points_of_a_grey_picture_are_of_all_its_pixels():

@@ -71,7 +71,7 @@ def stated_spacing(text):
 def detect_points(images, target="auto"):
     """Points of the target on every one of ``images``, pairs (name, uint8 image or Photo).
 
-    ``images`` may be an iterator. The points of a raw frame are those of its green sites. An image
+    ``images`` may be an iterator. The points of a raw frame are those of green. An image
     may be a function that returns it, which is called again when needed, so that only one photo is
     in memory. ``auto`` takes the kind and size of target that most photos show; a part counts as
     the whole target, and the part is used. A photo is rejected with its reason if it
@@ -111,7 +111,13 @@ def _photos_of(results, rejected, target):
         if result.name in rejected:
             continue
         try:
-            found = _found(result, *target)
+            try:
+                found = _found(result, *target)
+            except InputError:
+                if not result.filter:
+                    raise
+                result = result.on_green()
+                found = _found(result, *target)
             duplicate = next((photo.name for photo in photos if _same(photo, found)), None)
             if duplicate:
                 raise InputError(f"it shows the same as {duplicate}: points within {_SAME} pixels "

@@ -49,8 +49,7 @@ class DetectionResult:
     name : str
     image : ndarray of uint8, a Photo, or a function without arguments that returns one of them
         :meth:`release` drops what the function returned, and it is called again when needed. So
-        only one of many photos is in memory. Targets are searched for on the green sites of a raw
-        frame, if its filter pattern is declared or seen.
+        only one of many photos is in memory.
     size : (int, int)
         Columns and rows of the target that is looked for; None each if they are not known.
     spacing : float, optional
@@ -66,15 +65,13 @@ class DetectionResult:
         self._green = None
         self._read = image if callable(image) else None
         self.target, self.doubt = None, ""
-        self.pattern, self.pattern_from = None, ""
+        self.filter, self.filter_from, self.by_green = None, "", False
         frame, declared = self._frame()
         self.size = frame.shape[1::-1]
         self.may_be_raw = frame.ndim == 2 and declared != MONO
         if self.may_be_raw and min(self.size) >= MIN_SIZE:
-            self.pattern = declared or pattern_of(frame)
-            self.pattern_from = "the file" if declared else "its colour cast"
-        if self.pattern:
-            self._green = green_picture(frame, self.pattern)
+            self.filter = declared or pattern_of(frame)
+            self.filter_from = "the file" if declared else "its colour cast"
 
     def _frame(self):
         """The photo, ndarray of uint8, and its declared filter pattern, ``MONO`` or None."""
@@ -93,18 +90,20 @@ class DetectionResult:
     @property
     def image(self):
         """The picture that is searched, ndarray of uint8: the photo, or its green sites."""
-        if not self.pattern:
+        if not self.by_green:
             return self.frame
         if self._green is None:
-            self._green = green_picture(self.frame, self.pattern)
+            self._green = green_picture(self.frame, self.filter)
         return self._green
 
-    def with_filter(self, pattern):
-        """The photo as a raw frame with the filter ``pattern``, seen by its lateral colour; nothing
-        has been searched for."""
+    def on_green(self, pattern=None):
+        """The photo, a raw frame with the filter ``pattern``, as its green sites show it; nothing
+        has been searched for. Default: the filter that is declared or seen by its cast."""
         other = DetectionResult(self.name, self._read or self._image,
                                 (self._columns, self._rows), self._stated)
-        other.pattern, other.pattern_from = pattern, "its lateral colour"
+        other.by_green = True
+        if pattern:
+            other.filter, other.filter_from = pattern, "its lateral colour"
         return other
 
     def release(self):

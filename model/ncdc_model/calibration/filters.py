@@ -30,12 +30,19 @@ _SITES = (0, 0), (1, 0), (0, 1), (1, 1)        # column and row within the filte
 @dataclass(frozen=True)
 class LateralColour:
     """Pixels by which red and blue lie farther from the middle than green in the picture's corner,
-    with their standard errors, and the number of points compared."""
+    with their standard errors, the number of points compared, and the pixels by which either is
+    shifted as a whole."""
     red: float
     red_error: float
     blue: float
     blue_error: float
     points: int
+    shift: float
+
+    @property
+    def moves(self):
+        """Whether red or blue lies elsewhere than green by so much that it moves points."""
+        return max(abs(self.red), abs(self.blue), self.shift) > _LEAST
 
 
 @dataclass(frozen=True)
@@ -144,19 +151,22 @@ def _centroids(patches, middle, radius):
 
 def _growth(shifts, one, other):
     """By how many pixels the points of part ``one`` lie farther out than those of the ``other`` in
-    the corner, its standard error, and the number of points; the error is infinite without them."""
-    radius, moved = [], []
+    the corner, its standard error, the number of points, and the pixels by which all are shifted;
+    the error is infinite without points."""
+    radius, moved, shift = [], [], []
     for photo in shifts:
         middle = (np.array(photo.size) - 1) / 2
         apart = photo.seen[one] - photo.seen[other]
         good = np.linalg.norm(apart, axis=1) < _LARGEST
         radius.append((photo.xy - middle)[good] / np.linalg.norm(middle))
-        moved.append(apart[good] - np.median(apart[good], axis=0) if good.any() else apart[good])
+        usual = np.median(apart[good], axis=0) if good.any() else np.zeros(2)
+        moved.append(apart[good] - usual)
+        shift.append(usual)
     radius, moved = np.concatenate(radius), np.concatenate(moved)
     keep = np.ones(len(radius), bool)
     for _ in range(3):
         if keep.sum() < _FEWEST:
-            return 0.0, np.inf, 0
+            return 0.0, np.inf, 0, 0.0
         # The median shift was taken off: so is the mean position.
         out = radius - radius[keep].mean(axis=0)
         power = (out[keep]**2).sum()
@@ -164,7 +174,8 @@ def _growth(shifts, one, other):
         off = np.linalg.norm(moved - growth * out, axis=1)
         usual = float(np.median(off[keep])) / 1.1774
         keep = off < 4 * max(usual, 1e-3)
-    return growth, max(usual, 1e-3) / float(np.sqrt(power)), int(keep.sum())
+    return (growth, max(usual, 1e-3) / float(np.sqrt(power)), int(keep.sum()),
+            float(np.linalg.norm(np.median(shift, axis=0))))
 
 
 def lateral_colour(shifts):
@@ -173,7 +184,7 @@ def lateral_colour(shifts):
     red, blue = (_growth(shifts, part, 1) for part in (0, 2))
     if not (np.isfinite(red[1]) and np.isfinite(blue[1])):
         return None
-    return LateralColour(*red[:2], *blue[:2], min(red[2], blue[2]))
+    return LateralColour(*red[:2], *blue[:2], min(red[2], blue[2]), max(red[3], blue[3]))
 
 
 def filter_seen(shifts):
@@ -184,7 +195,7 @@ def filter_seen(shifts):
     diagonal, agree; red or blue does not.
     """
     def differ(one, other):
-        growth, error, _ = _growth(shifts, one, other)
+        growth, error, *_ = _growth(shifts, one, other)
         return abs(growth) / error if abs(growth) > _LEAST else 0.0
     falling, rising = differ(0, 3), differ(1, 2)
     if max(falling, rising) > _SURE:
