@@ -6,6 +6,8 @@ from PySide6.QtCore import QSignalBlocker, Qt, Signal
 from PySide6.QtGui import QValidator
 from PySide6.QtWidgets import QDoubleSpinBox, QHBoxLayout, QSlider, QSpinBox, QWidget
 
+from ncdc_host.gui.plain_text import plain_tip
+
 __all__ = ["NumberEditor"]
 
 _TICKS = 1000           # of a slider
@@ -140,7 +142,8 @@ class NumberEditor(QWidget):
         self._slider_high = min(self.box.maximum(), max(slider_high, self.box.value()))
         limits = (self.box.textFromValue(limit) for limit in (self.box.minimum(),
                                                               self.box.maximum()))
-        self.setToolTip(f"{self._about}\nFrom {' to '.join(limits)}{self.box.suffix()}.".strip())
+        self.setToolTip(plain_tip(
+            f"{self._about}\nFrom {' to '.join(limits)}{self.box.suffix()}.".strip()))
         self._show_slider()
 
     def _show_slider(self):
