@@ -14,6 +14,7 @@ from PySide6.QtWidgets import (
 )
 
 from ncdc_host.client.view_state import CORRECTION, WINDOW
+from ncdc_host.gui.careful import Careful
 from ncdc_host.gui.number_editor import NumberEditor
 from ncdc_host.gui.plain_text import PlainLabel
 from ncdc_host.gui.shown_views import LAYOUT, SELECTOR, ShownViews
@@ -35,14 +36,8 @@ _SLIDER_MAX_MS = 1000   # of the exposure: longer ones are typed
 _SLACK = 1e-6           # of a line
 
 
-class _Box(QComboBox):
-    """The wheel counts only after a click."""
-
-    def wheelEvent(self, event):
-        if self.hasFocus():
-            super().wheelEvent(event)
-        else:
-            event.ignore()
+class _Box(Careful, QComboBox):
+    pass
 
 
 class SettingsPanel(QWidget):
