@@ -13,10 +13,8 @@ from pathlib import Path
 from ncdc_host.client.device import FeatureInfo, FrameStream, Rate, Statistics, as_kind
 from ncdc_host.client.errors import DeviceError, DeviceGone, NoFrame, Rejected
 from ncdc_host.client.found import Found
-from ncdc_host.client.frame import Frame
+from ncdc_host.client.frame import Frame, gvsp_format
 from ncdc_host.client.genicam_device import GenicamDevice
-from ncdc_spec.errors import InputError
-from ncdc_spec.pixel_formats import format_of_pfnc
 
 __all__ = ["AravisDevice", "discover_aravis"]
 
@@ -171,14 +169,14 @@ class AravisStream(FrameStream):
         self._first = self._last = None
         self._closed = False
 
-    def next(self, timeout=5.0):
+    def _take(self, timeout):
         until = time.monotonic() + timeout
         while True:
             left = until - time.monotonic()
             if left <= 0:
                 if self._device.access == "lost":
                     raise DeviceGone(f"{self._device.url} does not answer any more")
-                raise NoFrame(f"no picture within {timeout:g} s")
+                raise NoFrame(f"no picture within {timeout:.3g} s")
             got = self._bridge.call("next", min(left, _SLICE))
             if got is None:
                 continue
@@ -186,21 +184,18 @@ class AravisStream(FrameStream):
                 self._broken += 1
                 continue
             (_, number, time_ns, code, width, height), data = got
-            try:
-                pixel_format = format_of_pfnc(code)
-            except InputError as error:
-                raise DeviceError(str(error)) from error
+            made = Frame.of_bytes(data, (width, height), gvsp_format(code), number, time_ns)
             self._frames += 1
             self._first, self._last = self._first or number, number
             self._rate.count()
-            return Frame.of_bytes(data, (width, height), pixel_format, number, time_ns)
+            return made
 
     @property
     def statistics(self):
         if not self._closed:
             self._resent, self._untaken = self._bridge.call("statistics")
         missed = 0 if self._last is None else self._last - self._first + 1 - self._frames
-        lost = max(missed - self._untaken, self._broken)
+        lost = max(missed - self._untaken, self._broken + self.malformed)
         return Statistics(self._frames, lost, self._untaken, self._resent, self._rate.value)
 
     def close(self):

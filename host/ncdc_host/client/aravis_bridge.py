@@ -148,9 +148,7 @@ class _Bridge:
         if whole:
             width, height = buffer.get_image_width(), buffer.get_image_height()
             head += [buffer.get_image_pixel_format(), width, height]
-            # The buffer is as large as the largest picture: a format's code says how much is used.
-            bits = buffer.get_image_pixel_format() >> 16 & 0xFF
-            data = buffer.get_data()[:width * height * bits // 8]
+            data = buffer.get_data()        # what was received, not all of the buffer
         self._stream.push_buffer(buffer)
         return head, data
 

@@ -230,9 +230,10 @@ class DeviceTab(TabWidgets):
         self._silence.start(int(1000 * (_TIMEOUT + (3 / rate.value if rate else 0))))
 
     def _no_picture_came(self):
-        self._wait("No picture comes.\nIf the device goes on to answer, a firewall may keep the "
-                   "pictures away, or packets are too large for the network.",
-                   shade=self.shown is not None)
+        reason = self._sentence(self.session.trouble) if self.session.trouble else (
+            "If the device goes on to answer, a firewall may keep the pictures away, or packets "
+            "are too large for the network.")
+        self._wait(f"No picture comes.\n{reason}", shade=self.shown is not None)
 
     def _picture(self):
         shown = self.session.take()
