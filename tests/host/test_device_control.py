@@ -114,6 +114,18 @@ def test_pictures_go_to_the_controller_s_machine_or_a_group(one, monkeypatch):
         assert sent.pop() == (own, 6000) and sent == []
 
 
+def test_only_the_controller_learns_where_the_pictures_come_from(one):
+    """Who knows the port can send pictures in the device's name."""
+    user, other = Asker(one), Asker(one, OTHER)
+    port = gvcp.register("StreamSourcePort").address
+    assert user.read(port) == other.read(port) == 0
+    user.control()
+    assert user.read(port) == one.stream.port > 0 == other.read(port)
+    request = struct.pack(">IHH", port, 0, 4)
+    assert [int.from_bytes(each.command(gvcp.READMEM, request)[1][4:], "big")
+            for each in (user, other)] == [one.stream.port, 0]
+
+
 def test_the_request_number_0_is_answered(one):
     answer = one.agent.handle(gvcp.command_packet(gvcp.DISCOVERY, 0), USER)
     status, code, number, rest = gvcp.parse_acknowledge(answer)

@@ -18,6 +18,7 @@ __all__ = ["ControlAgent", "Identity"]
 _STATUS = {"value": gvcp.INVALID_PARAMETER, "locked": gvcp.ACCESS_DENIED,
            "read only": gvcp.WRITE_PROTECT}
 _RESENT_PER_SECOND = 200_000    # packets: no request may keep the agent busy for long
+_SOURCE_PORT = gvcp.register("StreamSourcePort").address
 
 
 class _Status(Exception):
@@ -184,7 +185,7 @@ class ControlAgent:
     def _readreg(self, payload, peer):
         if not payload or len(payload) % 4 or len(payload) > 4 * gvcp.REGISTERS_MAX:
             raise _Status(gvcp.INVALID_HEADER)
-        return b"".join(self._memory(address, 4)
+        return b"".join(self._memory(address, 4, peer)
                         for address, in struct.iter_unpack(">I", payload))
 
     def _writereg(self, payload, peer):
@@ -202,7 +203,7 @@ class ControlAgent:
         address, _, count = struct.unpack(">IHH", payload)
         if not 4 <= count <= gvcp.MEMORY_BYTES_MAX:
             raise _Status(gvcp.INVALID_PARAMETER)
-        return payload[:4] + self._memory(address, count)
+        return payload[:4] + self._memory(address, count, peer)
 
     def _writemem(self, payload, peer):
         if not 8 <= len(payload) <= 4 + gvcp.MEMORY_BYTES_MAX or len(payload) % 4:
@@ -233,22 +234,24 @@ class ControlAgent:
 
     # Memory.
 
-    def _memory(self, address, count):
-        """``count`` bytes from ``address`` on; both whole words."""
+    def _memory(self, address, count, peer=None):
+        """``count`` bytes from ``address`` on, both whole words, as ``peer`` may see them."""
         if address % 4 or count % 4:
             raise _Status(gvcp.BAD_ALIGNMENT)
         if gvcp.XML_BASE <= address < gvcp.XML_BASE + len(self._xml):
             # A client may read beyond the end to fill its last packet.
             part = self._xml[address - gvcp.XML_BASE:][:count]
             return part.ljust(count, b"\0")
-        return b"".join(self._word(at).to_bytes(4, "big")
+        return b"".join(self._word(at, peer).to_bytes(4, "big")
                         for at in range(address, address + count, 4))
 
-    def _word(self, address):
+    def _word(self, address, peer):
         if address < gvcp.FEATURE_BASE:
             for start, text in self._texts.items():
                 if start <= address < start + len(text):
                     return int.from_bytes(text[address - start:address - start + 4], "big")
+            if address == _SOURCE_PORT and peer != self.controller:
+                return 0        # who knows it can send pictures in this device's name
             if address in self._words:
                 return self._words[address]
             if address < gvcp.DISCOVERY_BYTES:

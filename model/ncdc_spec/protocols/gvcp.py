@@ -122,7 +122,8 @@ BOOTSTRAP = (
     Register("StreamPacketDelay", 0x0D08, 4, "rw", "nanoseconds between two packets"),
     Register("StreamAddress", 0x0D18, 4, "rw", "IPv4 address of the receiver, or a multicast "
              "group"),
-    Register("StreamSourcePort", 0x0D1C, 4, "ro", "UDP port that the stream comes from"),
+    Register("StreamSourcePort", 0x0D1C, 4, "ro", "UDP port that the stream comes from; of the "
+             "emulated device 0 for whoever has no control"),
     Register("EepromStatus", 0xA000, 4, "ro", "feature of that name; the first of the addresses "
              "that are the manufacturer's"),
 )
