@@ -31,9 +31,9 @@ def lies(monkeypatch):
     def begin(kind, chosen):
         right = Stream.send_frame
 
-        def send_frame(self, frame, receiver, stop):
+        def send_frame(self, frame, *arguments):
             wrong = LIES[kind](frame) if chosen(self._block + 1) else {}
-            right(self, replace(frame, **wrong), receiver, stop)
+            right(self, replace(frame, **wrong), *arguments)
 
         monkeypatch.setattr(Stream, "send_frame", send_frame)
     return begin

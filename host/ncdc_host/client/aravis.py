@@ -87,8 +87,9 @@ class AravisDevice(GenicamDevice):
     Attributes
     ----------
     packet_timeout_us : int or None
-        Without a packet for so long, one that is missing is asked for again; None: as Aravis has
-        it. For streams that begin from now on, of a device slower than the clock on the wall.
+        Without a packet for so long, one that is missing is asked for again; None: 5 ms to 20 ms,
+        by how fast the device answers. For streams that begin from now on, of a device slower than
+        the clock on the wall.
     """
 
     def __init__(self, address, monitor=False):

@@ -219,8 +219,8 @@ class ControlAgent:
         _, block, first, last = struct.unpack_from(">HHII", payload)
         first, last = first & 0xFFFFFF, last & 0xFFFFFF
         # A receiver asks from a socket of its own, perhaps, but from the controller's machine.
-        # A request for what is not sent gets no answer: packets are the answer.
-        if not self._acquiring or self.controller is None or peer[0] != self.controller[0]:
+        # A request for what is not kept gets no answer: packets are the answer.
+        if self.controller is None or peer[0] != self.controller[0]:
             return None
         then, budget = self._resend_budget
         now = time.monotonic()

@@ -25,7 +25,7 @@ def protocols_doc():
         lines="|---" * (1 + len(_SENSORS)),
         memory=gvcp.MEMORY_BYTES_MAX,
         feature_base=gvcp.FEATURE_BASE, xml_base=gvcp.XML_BASE,
-        corrector_base=gvcp.CORRECTOR_BASE, headers=gvsp.HEADERS_BYTES,
+        corrector_base=gvcp.CORRECTOR_BASE, headers=gvsp.HEADERS_BYTES, kept=gvsp.KEPT_BLOCKS,
         commands=_rows((f"0x{c.code:02X}", c.address, c.data, c.text, c.answer)
                        for c in table_one.COMMANDS),
         words=_rows((f"0x{w.address:04X}", f"`{w.name}`", w.access, w.text)
