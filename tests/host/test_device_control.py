@@ -90,9 +90,25 @@ def test_no_heartbeat_locks_the_device_for_long(one):
     user, other = Asker(one), Asker(one, OTHER)
     address = gvcp.register("HeartbeatTimeout").address
     user.command(gvcp.WRITEREG, struct.pack(">IIII", CCP, 2, address, 0xFFFFFFFF))
+    user.read(0)
     assert other.read(address) == gvcp.HEARTBEAT_MAX_MS <= 60_000
     other.now = user.now + gvcp.HEARTBEAT_MAX_MS / 1000 + .1
     assert other.write(CCP, 2) == gvcp.SUCCESS
+
+
+def test_one_datagram_holds_control_for_the_default_time(one):
+    """Its sender may be forged; who sends a second one is there."""
+    address = gvcp.register("HeartbeatTimeout").address
+    for count, seconds in ((0, 3.1), (1, 30.1)):
+        user, other = Asker(one), Asker(one, OTHER)
+        user.command(gvcp.WRITEREG, struct.pack(">IIII", CCP, 2, address, 0xFFFFFFFF))
+        for _ in range(count):
+            user.read(0)
+        other.now = user.now + seconds - .2
+        assert other.control() == gvcp.ACCESS_DENIED
+        other.now = user.now + seconds
+        assert other.control() == gvcp.SUCCESS
+        assert other.read(address) == gvcp.HEARTBEAT_MS and other.write(CCP, 0) == gvcp.SUCCESS
 
 
 def test_pictures_go_to_the_controller_s_machine_or_a_group(one, monkeypatch):

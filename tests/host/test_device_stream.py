@@ -160,13 +160,40 @@ def test_so_many_frames_are_kept_as_the_page_says(user):
     for _ in range(4):
         user.set("TriggerSoftware")
         sent.append(user.picture())
-    assert gvsp.KEPT_BLOCKS == 2
+    assert gvsp.STORED_BLOCKS == 2
     for block in (1, 2):
         user.resend(block, 0, 3)
     assert user.silent()
     for block in (3, 4):
         user.resend(block, 0, 0xFFFFFF)
         assert user.picture() == sent[block - 1]
+
+
+@pytest.mark.parametrize("loss", [0, .01])
+def test_a_stream_ends_when_nobody_listens(loss):
+    """The receiver's machine says so by ICMP; packets may be sent together or one by one."""
+    with device(loss=loss) as one:
+        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as receiver:
+            receiver.bind(("127.0.0.1", 0))
+            receiver.settimeout(5)
+            user = User(one, receiver)
+            user.set("AcquisitionStart")
+            user.picture()
+            assert one.registers.streaming
+        one.stream._thread.join(5)
+        assert not one.stream._thread.is_alive() and not one.registers.streaming
+        sent = one.stream.sent
+        for block in range(1, 9):
+            user.resend(block, 0, 5)
+        assert one.stream.sent == sent
+        # Somebody does again, at another port.
+        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as receiver:
+            receiver.bind(("127.0.0.1", 0))
+            receiver.settimeout(5)
+            user = User(one, receiver)
+            user.set("AcquisitionStart")
+            for _ in range(3):
+                user.picture()
 
 
 @pytest.mark.longer

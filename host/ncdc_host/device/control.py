@@ -121,6 +121,7 @@ class ControlAgent:
         with self._lock:
             self.tick(now)
             before = self._registers.bus_accesses
+            self._confirmed |= peer == self.controller
             answer = self._answer(command, peer)
             slow = self._registers.bus_accesses != before
             if peer == self.controller:         # since this command, perhaps
@@ -146,15 +147,21 @@ class ControlAgent:
         return gvcp.acknowledge(command, gvcp.SUCCESS, answer)
 
     def tick(self, now):
-        """Take control from a controller that has not been heard of for the heartbeat's time."""
+        """Take control from a controller that has not been heard of for the heartbeat's time.
+
+        One datagram may have a forged sender: until there is a second one, it is not the time that
+        the first one asks for, if that is longer than the default.
+        """
         timeout = self._words[gvcp.register("HeartbeatTimeout").address] / 1000
+        if not self._confirmed:
+            timeout = min(timeout, gvcp.HEARTBEAT_MS / 1000)
         with self._lock:
             if self.controller is not None and now - self._heard > timeout:
                 self._release()
 
     def _release(self):
         self._stream.stop()
-        self.controller = None
+        self.controller, self._confirmed = None, False
         self._tl_locked, self._acquiring, self._mode, self._trigger = 0, False, 0, 0
         self._registers.streaming = self._registers.controlled = False
         for name, value in (("HeartbeatTimeout", gvcp.HEARTBEAT_MS), ("ControlPrivilege", 0),
@@ -219,7 +226,7 @@ class ControlAgent:
         _, block, first, last = struct.unpack_from(">HHII", payload)
         first, last = first & 0xFFFFFF, last & 0xFFFFFF
         # A receiver asks from a socket of its own, perhaps, but from the controller's machine.
-        # A request for what is not kept gets no answer: packets are the answer.
+        # A request for what is not stored gets no answer: packets are the answer.
         if self.controller is None or peer[0] != self.controller[0]:
             return None
         then, budget = self._resend_budget

@@ -87,9 +87,12 @@ class Stream:
     def start(self, receiver, single=False, done=lambda: None, triggered=False):
         """Send every frame from now on, or the next one only, and call ``done`` with its end.
 
+        The stream ends as well, with ``done``, when the receiver's port is unreachable.
+
         ``triggered``: each one waits for :meth:`trigger`.
         """
         self.stop()
+        self._sender.connect(receiver.address)
         self._triggers = threading.Event() if triggered else None
         self._receiver, self._block = receiver, 0
         self._stop = threading.Event()
@@ -109,6 +112,9 @@ class Stream:
             if self._thread is not threading.current_thread():
                 self._thread.join()
             self._thread = None
+        self._forget()
+
+    def _forget(self):
         with self._lock:
             self._blocks.clear()
 
@@ -137,6 +143,9 @@ class Stream:
             self._send(self._packet(block, frame, payload, packets, packet), receiver,
                        self._loss_again)
             count += 1
+            if self._sender.unreachable:
+                self._forget()
+                break
         self.resent += count
 
     def _run(self, stop, single, done):
@@ -159,7 +168,10 @@ class Stream:
                 if triggers is not None:
                     triggers.clear()        # a receiver may trigger again at the last packet
                 self.send_frame(frame, receiver, stop, done if single else None)
-                if single:
+                if self._sender.unreachable:
+                    done()
+                    self._forget()
+                if single or self._sender.unreachable:
                     break
 
     def send_frame(self, frame, receiver, stop, done=None):
@@ -171,7 +183,7 @@ class Stream:
         payload, packets = gvsp.payload_packets(len(frame.data), receiver.packet_size)
         with self._lock:
             self._blocks[self._block] = frame, payload, packets
-            while len(self._blocks) > gvsp.KEPT_BLOCKS:
+            while len(self._blocks) > gvsp.STORED_BLOCKS:
                 del self._blocks[next(iter(self._blocks))]
         pace = max(receiver.delay_ns,
                    (receiver.packet_size + _LINE_OVERHEAD) * _LINE_NS_PER_BYTE)
@@ -182,7 +194,7 @@ class Stream:
             early = begin + packet * pace - time.monotonic_ns()
             if early > 0:
                 time.sleep(early / 1e9)
-            if stop.is_set():
+            if stop.is_set() or self._sender.unreachable:
                 return
             count = 0 if full is None or not packet else len(full[packet - 1:packet - 1 + _BATCH])
             if count > 1:
