@@ -4,6 +4,7 @@ Debian has Aravis for the system's Python alone, so that the bridge runs there.
 """
 
 import json
+import select
 import struct
 import subprocess
 import threading
@@ -20,6 +21,9 @@ __all__ = ["AravisDevice", "discover_aravis"]
 
 _PYTHON = "/usr/bin/python3"
 _BRIDGE = Path(__file__).with_name("aravis_bridge.py")
+# Seconds that an answer of Aravis may take. At some XML it never ends; a simulated device is slow.
+_SECONDS = {"open": 300.0}
+_SECONDS_ELSE = 60.0
 _SLICE = 0.05           # seconds that a wait for a picture keeps other calls waiting
 
 
@@ -47,9 +51,14 @@ class _Bridge:
                 self._process.stdin.flush()
             except (OSError, ValueError) as error:
                 raise DeviceGone("the process of Aravis has ended") from error
-            return self._answer()
+            return self._answer(_SECONDS.get(name, _SECONDS_ELSE))
 
-    def _answer(self):
+    def _answer(self, seconds=_SECONDS_ELSE):
+        # One answer to each request: nothing of it is in the buffer already.
+        if not select.select([self._process.stdout], [], [], seconds)[0]:
+            self._process.kill()
+            raise DeviceGone(f"Aravis has not answered for {seconds:g} seconds: its process "
+                             "is ended")
         line = self._process.stdout.readline()
         if not line:
             raise DeviceGone("the process of Aravis has ended")

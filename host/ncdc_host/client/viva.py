@@ -110,7 +110,7 @@ class VivaDevice(GenicamDevice):
         with Questions(address, seconds) as questions:
             acknowledge = questions.discovery()
             # viva-genicam crashes at some XML, and this process with it.
-            check_xml(questions.xml())
+            checked = check_xml(questions.xml())
             address, interface = questions.address, questions.own_address
         try:
             found = _introduced(viva, address, acknowledge)
@@ -118,12 +118,25 @@ class VivaDevice(GenicamDevice):
         except viva.GenicamError as error:
             raise Rejected(f"{address} cannot be opened, perhaps another user has control: "
                           f"{_sentence(error)}") from error
+        self._check_parsed(checked)
         self._lock = threading.RLock()
         self._categories = {name: category
                             for category, names in self._camera.categories().items()
                             for name in names}
         self._kinds = {node.name: _KINDS[node.kind] for node in self._camera.all_node_info()
                        if node.kind in _KINDS and node.name in self._categories}
+
+    def _check_parsed(self, checked):
+        """Close the camera and raise :class:`DeviceError` if viva-genicam has read XML that is not
+        ``checked`` and would crash it: a device may show another one at every read."""
+        parsed = self._camera.xml.encode()
+        if parsed == checked:
+            return
+        try:
+            check_xml(parsed)
+        except DeviceError:
+            self._camera.close()
+            raise
 
     def _call(self, name, call):
         """``call()`` with what goes wrong as a :class:`DeviceError` that names the feature."""
