@@ -15,7 +15,7 @@ from ncdc_spec.errors import InputError
 __all__ = ["COMMANDS", "main", "parser"]
 
 # Commands whose --output is a folder, or that check it themselves.
-_TO_FOLDER = ("demo", "generate", "bench", "build", "lot")
+_TO_FOLDER = ("demo", "generate", "bench", "build", "lot", "client")
 _LIGHT = ("doctor",)                # commands that work where the packages of the others do not
 _INTERRUPTED = 130                  # exit status of programs that Ctrl-C has ended
 

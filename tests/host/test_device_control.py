@@ -90,9 +90,25 @@ def test_no_heartbeat_locks_the_device_for_long(one):
     user, other = Asker(one), Asker(one, OTHER)
     address = gvcp.register("HeartbeatTimeout").address
     user.command(gvcp.WRITEREG, struct.pack(">IIII", CCP, 2, address, 0xFFFFFFFF))
+    user.read(0)
     assert other.read(address) == gvcp.HEARTBEAT_MAX_MS <= 60_000
     other.now = user.now + gvcp.HEARTBEAT_MAX_MS / 1000 + .1
     assert other.write(CCP, 2) == gvcp.SUCCESS
+
+
+def test_one_datagram_holds_control_for_the_default_time(one):
+    """Its sender may be forged; who sends a second one is there."""
+    address = gvcp.register("HeartbeatTimeout").address
+    for count, seconds in ((0, 3.1), (1, 30.1)):
+        user, other = Asker(one), Asker(one, OTHER)
+        user.command(gvcp.WRITEREG, struct.pack(">IIII", CCP, 2, address, 0xFFFFFFFF))
+        for _ in range(count):
+            user.read(0)
+        other.now = user.now + seconds - .2
+        assert other.control() == gvcp.ACCESS_DENIED
+        other.now = user.now + seconds
+        assert other.control() == gvcp.SUCCESS
+        assert other.read(address) == gvcp.HEARTBEAT_MS and other.write(CCP, 0) == gvcp.SUCCESS
 
 
 def test_pictures_go_to_the_controller_s_machine_or_a_group(one, monkeypatch):
@@ -112,6 +128,18 @@ def test_pictures_go_to_the_controller_s_machine_or_a_group(one, monkeypatch):
         assert user.write(address, int(IPv4Address(own))) == gvcp.SUCCESS
         user.write(size, gvcp.SCPS_FIRE | 1000)
         assert sent.pop() == (own, 6000) and sent == []
+
+
+def test_only_the_controller_learns_where_the_pictures_come_from(one):
+    """Who knows the port can send pictures in the device's name."""
+    user, other = Asker(one), Asker(one, OTHER)
+    port = gvcp.register("StreamSourcePort").address
+    assert user.read(port) == other.read(port) == 0
+    user.control()
+    assert user.read(port) == one.stream.port > 0 == other.read(port)
+    request = struct.pack(">IHH", port, 0, 4)
+    assert [int.from_bytes(each.command(gvcp.READMEM, request)[1][4:], "big")
+            for each in (user, other)] == [one.stream.port, 0]
 
 
 def test_the_request_number_0_is_answered(one):

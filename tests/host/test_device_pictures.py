@@ -278,7 +278,7 @@ def test_the_next_frame_is_made_while_one_is_on_the_line(monkeypatch):
             asked.append(number)
             return following(number, *rest)
 
-        def send(frame, receiver, stop):
+        def send(frame, *_):
             end = time.monotonic() + 5
             while frame.number not in asked and time.monotonic() < end:
                 time.sleep(.001)

@@ -2,9 +2,8 @@
 
 import pytest
 from PySide6.QtCore import QPoint, QPointF, Qt
-from PySide6.QtGui import QWheelEvent
 from PySide6.QtTest import QTest
-from PySide6.QtWidgets import QApplication
+from PySide6.QtWidgets import QAbstractSpinBox, QComboBox, QSlider
 
 from devices import small_lens
 from guis import SECONDS, announced, other_transport, tab_on, url_of
@@ -159,15 +158,33 @@ def test_showing_a_value_is_no_edit(qtbot):
             assert edits == [1, 100]
 
 
-def test_the_wheel_passes_over_a_box_without_focus(qtbot):
-    editor = NumberEditor("x", 3)
-    qtbot.addWidget(editor)
-    editor.show_value(5, 1, 10, 1)
-    turn = QWheelEvent(QPointF(5, 5), QPointF(5, 5), QPoint(), QPoint(0, 120),
-                       Qt.MouseButton.NoButton, Qt.KeyboardModifier.NoModifier,
-                       Qt.ScrollPhase.NoScrollPhase, False)
-    QApplication.sendEvent(editor.box, turn)
-    assert editor.value == 5
+def test_the_wheel_passes_over_what_was_not_clicked(qtbot):
+    """A wheel of the system, which gives the focus to widgets that want it."""
+    panel, edits = SettingsPanel(), []
+    qtbot.addWidget(panel)
+    auto = FeatureInfo("ExposureAuto", "enumeration", "Once", True,
+                       choices=("Off", "Once", "Continuous"))
+    panel.show_features({"ExposureAuto": auto, "Gain": float_info("Gain", 2, 1, 8),
+                         "Pan": float_info("Pan", 5, 1, 10)})
+    panel.changed.connect(lambda *change: edits.append(change))
+    with qtbot.waitActive(panel):
+        panel.show()
+    panel.focusWidget().clearFocus()        # what a window of this panel alone begins with
+
+    def turn(widget):
+        centre = QPointF(widget.rect().center())
+        QTest.wheelEvent(panel.windowHandle(), widget.mapTo(panel, centre), QPoint(0, -120))
+
+    box = panel.auto["ExposureAuto"]
+    widgets = [one for kind in (QComboBox, QAbstractSpinBox, QSlider)
+               for one in panel.findChildren(kind) if one.isVisible()]
+    assert box in widgets and panel.gain.slider in widgets and panel.looks["Pan"].box in widgets
+    for widget in widgets:
+        turn(widget)
+        assert edits == [] and not widget.hasFocus()
+    box.setFocus(Qt.FocusReason.MouseFocusReason)
+    turn(box)
+    assert edits == [("ExposureAuto", "Continuous")]
 
 
 def test_a_shutter_longer_than_the_slider_is_shown_in_full(qtbot):

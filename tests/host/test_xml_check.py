@@ -105,7 +105,13 @@ from ncdc_spec.protocols import gvcp
 with device() as one:
     announcer = Announcer([one])
     xml, url = sys.stdin.buffer.read(), gvcp.register("FirstUrl")
-    one.agent._xml = xml + bytes(-len(xml) % 4)
+    shown, memory = [xml, *map(str.encode, sys.argv[1:])], one.agent._memory
+    def swapped(address, count, peer=None):
+        if address == gvcp.XML_BASE:        # a read begins
+            one.agent._xml = shown.pop(0) if shown else xml
+            one.agent._xml += b" " * (len(xml) + -len(xml) % 4 - len(one.agent._xml))
+        return memory(address, count, peer)
+    one.agent._memory, one.agent._xml = swapped, xml + bytes(-len(xml) % 4)
     one.agent._texts[url.address] = (
         f"Local:x.xml;{gvcp.XML_BASE:X};{len(xml):X}".encode().ljust(512, b"\\0"))
     try:
@@ -117,9 +123,10 @@ with device() as one:
 """
 
 
-def opened(xml):
-    """What a process says that opens a device of this XML."""
-    done = subprocess.run([sys.executable, "-c", _OPEN], input=xml, capture_output=True, timeout=60,
+def opened(xml, *later):
+    """What a process says that opens a device of this XML, or of another one at a later read."""
+    done = subprocess.run([sys.executable, "-c", _OPEN, *map(bytes.decode, later)], input=xml,
+                          capture_output=True, timeout=60,
                           env={"PYTHONPATH": ":".join(sys.path), "PATH": "/usr/bin:/bin"})
     assert done.returncode == 0, done.stderr.decode()[-500:]
     return done.stdout.decode()
@@ -128,6 +135,13 @@ def opened(xml):
 @pytest.mark.longer
 def test_a_cyclic_device_does_not_end_the_client():
     assert "cyclic" in opened(REJECTED["cyclic"])
+
+
+@pytest.mark.longer
+def test_xml_that_is_swapped_after_the_check_does_not_end_the_client():
+    good = chain(50)
+    assert "'A'" in opened(good, good)
+    assert "cyclic" in opened(good, REJECTED["cyclic"])
 
 
 @pytest.mark.longer

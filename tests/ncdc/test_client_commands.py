@@ -77,6 +77,17 @@ def test_grabbed_pictures_are_the_golden_models(one, capsys):
     assert np.array_equal(raw, noise_picture(*SIZE))
 
 
+def test_the_folder_of_pictures_may_be_there(one, folder):
+    """The documented line works a second time, and whatever else is in the folder stays."""
+    (folder / "frames").mkdir()
+    (folder / "frames/notes.txt").write_text("of the user")
+    for _ in range(2):
+        assert run(f"client grab 1 -o frames --device {url(one)}") == 0
+    assert (folder / "frames/notes.txt").read_text() == "of the user"
+    [_, row] = (folder / "frames/frames.csv").read_text().splitlines()
+    assert (folder / "frames" / row.partition(",")[0]).is_file()
+
+
 @pytest.mark.parametrize("command,status,message", [
     ("set Width=9999", 2, "Width is 9999, the limits are 8 and 64"),
     ("set Width", 2, "'Width' is no NAME=VALUE"),

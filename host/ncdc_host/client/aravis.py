@@ -4,6 +4,7 @@ Debian has Aravis for the system's Python alone, so that the bridge runs there.
 """
 
 import json
+import select
 import struct
 import subprocess
 import threading
@@ -13,15 +14,16 @@ from pathlib import Path
 from ncdc_host.client.device import FeatureInfo, FrameStream, Rate, Statistics, as_kind
 from ncdc_host.client.errors import DeviceError, DeviceGone, NoFrame, Rejected
 from ncdc_host.client.found import Found
-from ncdc_host.client.frame import Frame
+from ncdc_host.client.frame import Frame, gvsp_format
 from ncdc_host.client.genicam_device import GenicamDevice
-from ncdc_spec.errors import InputError
-from ncdc_spec.pixel_formats import format_of_pfnc
 
 __all__ = ["AravisDevice", "discover_aravis"]
 
 _PYTHON = "/usr/bin/python3"
 _BRIDGE = Path(__file__).with_name("aravis_bridge.py")
+# Seconds that an answer of Aravis may take. At some XML it never ends; a simulated device is slow.
+_SECONDS = {"open": 300.0}
+_SECONDS_ELSE = 60.0
 _SLICE = 0.05           # seconds that a wait for a picture keeps other calls waiting
 
 
@@ -49,9 +51,14 @@ class _Bridge:
                 self._process.stdin.flush()
             except (OSError, ValueError) as error:
                 raise DeviceGone("the process of Aravis has ended") from error
-            return self._answer()
+            return self._answer(_SECONDS.get(name, _SECONDS_ELSE))
 
-    def _answer(self):
+    def _answer(self, seconds=_SECONDS_ELSE):
+        # One answer to each request: nothing of it is in the buffer already.
+        if not select.select([self._process.stdout], [], [], seconds)[0]:
+            self._process.kill()
+            raise DeviceGone(f"Aravis has not answered for {seconds:g} seconds: its process "
+                             "is ended")
         line = self._process.stdout.readline()
         if not line:
             raise DeviceGone("the process of Aravis has ended")
@@ -89,8 +96,9 @@ class AravisDevice(GenicamDevice):
     Attributes
     ----------
     packet_timeout_us : int or None
-        Without a packet for so long, one that is missing is asked for again; None: as Aravis has
-        it. For streams that begin from now on, of a device slower than the clock on the wall.
+        Without a packet for so long, one that is missing is asked for again; None: 5 ms to 20 ms,
+        by how fast the device answers. For streams that begin from now on, of a device slower than
+        the clock on the wall.
     """
 
     def __init__(self, address, monitor=False):
@@ -171,14 +179,14 @@ class AravisStream(FrameStream):
         self._first = self._last = None
         self._closed = False
 
-    def next(self, timeout=5.0):
+    def _take(self, timeout):
         until = time.monotonic() + timeout
         while True:
             left = until - time.monotonic()
             if left <= 0:
                 if self._device.access == "lost":
                     raise DeviceGone(f"{self._device.url} does not answer any more")
-                raise NoFrame(f"no picture within {timeout:g} s")
+                raise NoFrame(f"no picture within {timeout:.3g} s")
             got = self._bridge.call("next", min(left, _SLICE))
             if got is None:
                 continue
@@ -186,21 +194,18 @@ class AravisStream(FrameStream):
                 self._broken += 1
                 continue
             (_, number, time_ns, code, width, height), data = got
-            try:
-                pixel_format = format_of_pfnc(code)
-            except InputError as error:
-                raise DeviceError(str(error)) from error
+            made = Frame.of_bytes(data, (width, height), gvsp_format(code), number, time_ns)
             self._frames += 1
             self._first, self._last = self._first or number, number
             self._rate.count()
-            return Frame.of_bytes(data, (width, height), pixel_format, number, time_ns)
+            return made
 
     @property
     def statistics(self):
         if not self._closed:
             self._resent, self._untaken = self._bridge.call("statistics")
         missed = 0 if self._last is None else self._last - self._first + 1 - self._frames
-        lost = max(missed - self._untaken, self._broken)
+        lost = max(missed - self._untaken, self._broken + self.malformed)
         return Statistics(self._frames, lost, self._untaken, self._resent, self._rate.value)
 
     def close(self):

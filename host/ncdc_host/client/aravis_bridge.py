@@ -7,10 +7,15 @@ nothing of this project, which the system's Python does not have.
 
 import json
 import sys
+import time
 
 __all__ = ["main"]
 
 _RETENTION_US = 3_000_000   # a busy machine may take longer over a frame than Aravis' 0.1 s
+_PACKET_TIMEOUT_US = 5_000  # a missing packet is asked for again after so long, if the device
+_PER_ANSWER = 20            # answers in a 20th of it
+_ANSWERS = 3                # of which the fastest counts
+_CONTROL_PRIVILEGE = 0x0A00
 _REQUEST_RATIO = 1.0        # of a frame's packets may be asked for again, not a quarter of them
 _SOCKET_BYTES = 4 << 20     # what comes while this machine is busy; the kernel may allow less
 _BUFFERS = 12               # pictures that may wait for whoever takes them
@@ -127,7 +132,7 @@ class _Bridge:
         if packet_size:
             self._camera.gv_set_packet_size(packet_size)
         self._stream = self._camera.create_stream(None, None)
-        timeout = packet_timeout_us or self._stream.get_property("packet-timeout")
+        timeout = packet_timeout_us or self._packet_timeout_us()
         for name, value in (("packet-timeout", timeout),
                             ("frame-retention", max(_RETENTION_US, 4 * timeout)),
                             ("packet-request-ratio", _REQUEST_RATIO),
@@ -136,6 +141,17 @@ class _Bridge:
         for _ in range(_BUFFERS):
             self._stream.push_buffer(self._aravis.Buffer.new_allocate(self._camera.get_payload()))
         self._camera.start_acquisition()
+
+    def _packet_timeout_us(self):
+        """Aravis' own, or less if the device answers fast: it keeps a frame until the next but one,
+        within which a packet may have to be asked for several times."""
+        answers = []
+        for _ in range(_ANSWERS):
+            begin = time.monotonic()
+            self._device.read_register(_CONTROL_PRIVILEGE)
+            answers.append(time.monotonic() - begin)
+        return min(self._stream.get_property("packet-timeout"),
+                   max(_PACKET_TIMEOUT_US, round(_PER_ANSWER * 1e6 * min(answers))))
 
     def next(self, seconds):
         """A picture, or null; a picture that is not whole is counted by its status alone."""
@@ -148,9 +164,7 @@ class _Bridge:
         if whole:
             width, height = buffer.get_image_width(), buffer.get_image_height()
             head += [buffer.get_image_pixel_format(), width, height]
-            # The buffer is as large as the largest picture: a format's code says how much is used.
-            bits = buffer.get_image_pixel_format() >> 16 & 0xFF
-            data = buffer.get_data()[:width * height * bits // 8]
+            data = buffer.get_data()        # what was received, not all of the buffer
         self._stream.push_buffer(buffer)
         return head, data
 

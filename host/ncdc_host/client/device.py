@@ -5,7 +5,7 @@ from abc import ABC, abstractmethod
 from collections import deque
 from dataclasses import dataclass
 
-from ncdc_host.client.errors import BadValue, DeviceError, printable
+from ncdc_host.client.errors import BadValue, DeviceError, MalformedFrame, NoFrame, printable
 from ncdc_host.client.frame import Frame
 
 __all__ = ["Device", "FeatureInfo", "FrameStream", "Rate", "Statistics", "as_kind"]
@@ -63,7 +63,8 @@ class Statistics:
     frames : int
         Whole frames handed out.
     lost : int
-        Frames that were sent and did not arrive whole, resent packets included; 0 over TCP.
+        Frames that were sent and did not arrive whole, resent packets included, and malformed
+        ones; 0 over TCP.
     skipped : int
         Frames that no caller took in time; over TCP, frames of the device between two that were
         asked for.
@@ -105,9 +106,17 @@ class Rate:
 
 
 class FrameStream(ABC):
-    """Frames as they come; ``with device.stream() as frames`` ends the stream as well."""
+    """Frames as they come; ``with device.stream() as frames`` ends the stream as well.
 
-    @abstractmethod
+    Attributes
+    ----------
+    malformed : int
+        Pictures that came whole and were none: see :class:`MalformedFrame`.
+    trouble : str
+        A sentence on the last of them; empty if a frame has come since.
+    """
+    malformed, trouble = 0, ""
+
     def next(self, timeout: float = 5.0) -> Frame:
         """The next :class:`~ncdc_host.client.frame.Frame`, waiting ``timeout`` seconds at most.
 
@@ -118,6 +127,25 @@ class FrameStream(ABC):
         DeviceGone
             If the device does not answer any more.
         """
+        until = time.monotonic() + timeout
+        while True:
+            try:
+                frame = self._take(until - time.monotonic())
+            except MalformedFrame as error:
+                self.malformed, self.trouble = self.malformed + 1, str(error)
+                if time.monotonic() < until:
+                    continue
+            except NoFrame:
+                if not self.trouble:
+                    raise
+            else:
+                self.trouble = ""
+                return frame
+            raise NoFrame(f"no picture within {timeout:g} s: {self.trouble}")
+
+    @abstractmethod
+    def _take(self, timeout):
+        """The next frame as of :meth:`next`, which may raise :class:`MalformedFrame` as well."""
 
     @property
     @abstractmethod

@@ -2,8 +2,8 @@
 
 from ncdc_spec.errors import InputError
 
-__all__ = ["BadUrl", "BadValue", "DeviceError", "DeviceGone", "NoFrame", "NotInstalled",
-           "Rejected", "printable"]
+__all__ = ["BadUrl", "BadValue", "DeviceError", "DeviceGone", "MalformedFrame", "NoFrame",
+           "NotInstalled", "Rejected", "printable"]
 
 
 def printable(text):
@@ -38,6 +38,11 @@ class Rejected(DeviceError):
 
 class BadValue(Rejected, InputError):
     """A value that the feature cannot have; nothing was sent."""
+
+
+class MalformedFrame(DeviceError):
+    """A picture whose bytes are not those of its size and format: of a device that errs, or of a
+    stranger who sends in its name. Streams count it as lost and go on."""
 
 
 class NoFrame(DeviceError):

@@ -4,10 +4,20 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ncdc_host.client.errors import MalformedFrame
 from ncdc_model.images import demosaic
-from ncdc_spec.pixel_formats import PixelFormat, unpacked
+from ncdc_spec.errors import InputError
+from ncdc_spec.pixel_formats import PixelFormat, format_of_pfnc, unpacked
 
-__all__ = ["Frame"]
+__all__ = ["Frame", "gvsp_format"]
+
+
+def gvsp_format(code):
+    """The :class:`PixelFormat` of GVSP's ``code``; :class:`MalformedFrame` if there is none."""
+    try:
+        return format_of_pfnc(code)
+    except InputError as error:
+        raise MalformedFrame(str(error)) from None
 
 
 @dataclass(frozen=True)
@@ -34,8 +44,20 @@ class Frame:
 
     @classmethod
     def of_bytes(cls, data, size, pixel_format, number, time_ns):
-        """The frame of ``size`` (width, height) whose stored bytes are ``data``."""
+        """The frame of ``size`` (width, height) whose stored bytes are ``data``.
+
+        Raises
+        ------
+        MalformedFrame
+            If a side is 0, or the bytes are more or fewer than the size and the format say.
+        """
         width, height = size
+        needed = width * height * pixel_format.pixel_bytes
+        if not needed:
+            raise MalformedFrame(f"a picture came with {width}x{height} pixels")
+        if len(data) != needed:
+            raise MalformedFrame(f"a picture of {width}x{height} {pixel_format.name} came with "
+                                 f"{len(data)} bytes, {needed} are needed")
         stored = np.frombuffer(data, np.uint8)
         if pixel_format.pixel_bytes > 1:
             stored = stored.reshape(height, width, pixel_format.pixel_bytes)

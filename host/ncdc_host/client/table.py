@@ -276,13 +276,13 @@ class TableStream(FrameStream):
         self._number, self._due = None, 0.0     # of the last frame; when to ask again
         self._time_us = self._last_us = None
 
-    def next(self, timeout=5.0):
+    def _take(self, timeout):
         until = time.monotonic() + timeout
         while True:
             time.sleep(max(0, min(self._due, until) - time.monotonic()))
             left = until - time.monotonic()
             if left <= 0:
-                raise NoFrame(f"{self._device.url} made no new picture within {timeout:g} s")
+                raise NoFrame(f"{self._device.url} made no new picture within {timeout:.3g} s")
             package = self._connection.picture(left)
             upper, lower = map(self._connection.read, _NUMBER)
             number = upper << 16 | lower

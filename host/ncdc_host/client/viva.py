@@ -8,13 +8,11 @@ import time
 from ncdc_host.client.device import FeatureInfo, FrameStream, Rate, Statistics, as_kind
 from ncdc_host.client.errors import DeviceError, DeviceGone, NoFrame, NotInstalled, Rejected
 from ncdc_host.client.found import Found
-from ncdc_host.client.frame import Frame
+from ncdc_host.client.frame import Frame, gvsp_format
 from ncdc_host.client.genicam_device import GenicamDevice
 from ncdc_host.client.gvcp_questions import Questions
 from ncdc_host.client.xml_check import check_xml
-from ncdc_spec.errors import InputError
 from ncdc_spec.needs import pip_line
-from ncdc_spec.pixel_formats import format_of_pfnc
 from ncdc_spec.protocols import gvcp
 
 __all__ = ["VivaDevice", "discover_viva"]
@@ -112,7 +110,7 @@ class VivaDevice(GenicamDevice):
         with Questions(address, seconds) as questions:
             acknowledge = questions.discovery()
             # viva-genicam crashes at some XML, and this process with it.
-            check_xml(questions.xml())
+            checked = check_xml(questions.xml())
             address, interface = questions.address, questions.own_address
         try:
             found = _introduced(viva, address, acknowledge)
@@ -120,12 +118,25 @@ class VivaDevice(GenicamDevice):
         except viva.GenicamError as error:
             raise Rejected(f"{address} cannot be opened, perhaps another user has control: "
                           f"{_sentence(error)}") from error
+        self._check_parsed(checked)
         self._lock = threading.RLock()
         self._categories = {name: category
                             for category, names in self._camera.categories().items()
                             for name in names}
         self._kinds = {node.name: _KINDS[node.kind] for node in self._camera.all_node_info()
                        if node.kind in _KINDS and node.name in self._categories}
+
+    def _check_parsed(self, checked):
+        """Close the camera and raise :class:`DeviceError` if viva-genicam has read XML that is not
+        ``checked`` and would crash it: a device may show another one at every read."""
+        parsed = self._camera.xml.encode()
+        if parsed == checked:
+            return
+        try:
+            check_xml(parsed)
+        except DeviceError:
+            self._camera.close()
+            raise
 
     def _call(self, name, call):
         """``call()`` with what goes wrong as a :class:`DeviceError` that names the feature."""
@@ -216,32 +227,30 @@ class VivaStream(FrameStream):
         self._before = None if device.access == "monitor" else 0
         device._call("the stream", native.__enter__)
 
-    def next(self, timeout=5.0):
+    def _take(self, timeout):
         viva = self._viva
         try:
-            frame = self._native.next_frame(round(1000 * timeout))
+            frame = self._native.next_frame(max(1, round(1000 * timeout)))
         except viva.GenicamError as error:
             if self._device.access == "lost":
                 raise DeviceGone(f"{self._device.url} does not answer any more") from error
-            raise NoFrame(f"no picture within {timeout:g} s: {_sentence(error)}") from error
+            raise NoFrame(f"no picture within {timeout:.3g} s: {_sentence(error)}") from error
         if frame is None:
             raise DeviceGone(f"the stream of {self._device.url} has ended")
-        try:
-            pixel_format = format_of_pfnc(frame.pixel_format_code)
-        except InputError as error:
-            raise DeviceError(str(error)) from error
-        self._number += (frame.block_id - self._block) % _BLOCKS or _BLOCKS
-        self._block = frame.block_id
+        number = self._number + ((frame.block_id - self._block) % _BLOCKS or _BLOCKS)
+        made = Frame.of_bytes(frame.payload(), (frame.width, frame.height),
+                              gvsp_format(frame.pixel_format_code), number, frame.ts_dev or 0)
+        self._number, self._block = number, frame.block_id
         self._rate.count()
         if self._before is None:
             self._before = _lost(self._native.stats())
-        return Frame.of_bytes(frame.payload(), (frame.width, frame.height), pixel_format,
-                              self._number, frame.ts_dev or 0)
+        return made
 
     @property
     def statistics(self):
         counted = self._final or self._native.stats()
-        return Statistics(counted.frames_complete, _lost(counted) - (self._before or 0),
+        return Statistics(counted.frames_complete - self.malformed,
+                          _lost(counted) - (self._before or 0) + self.malformed,
                           counted.frames_backpressure, counted.resend_recovered,
                           self._rate.value)
 

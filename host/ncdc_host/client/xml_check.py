@@ -35,9 +35,12 @@ def unpacked(data):
 
 
 def check_xml(data):
-    """Raise :class:`DeviceError` if the XML is too large, broken, nested too deeply or cyclic.
+    """The text of the XML ``data``, bytes, perhaps packed.
 
-    ``data`` : bytes, perhaps packed.
+    Raises
+    ------
+    DeviceError
+        If it is too large, broken, nested too deeply or cyclic.
     """
     text = unpacked(data)
     if max(len(text), len(data)) > XML_BYTES_MAX:
@@ -48,6 +51,7 @@ def check_xml(data):
     except (expat.ExpatError, ValueError) as error:
         raise DeviceError(f"the device's XML is broken: {error}") from None
     _check_order(reader.used)
+    return text
 
 
 class _Reader:

@@ -18,6 +18,7 @@ __all__ = ["ControlAgent", "Identity"]
 _STATUS = {"value": gvcp.INVALID_PARAMETER, "locked": gvcp.ACCESS_DENIED,
            "read only": gvcp.WRITE_PROTECT}
 _RESENT_PER_SECOND = 200_000    # packets: no request may keep the agent busy for long
+_SOURCE_PORT = gvcp.register("StreamSourcePort").address
 
 
 class _Status(Exception):
@@ -120,6 +121,7 @@ class ControlAgent:
         with self._lock:
             self.tick(now)
             before = self._registers.bus_accesses
+            self._confirmed |= peer == self.controller
             answer = self._answer(command, peer)
             slow = self._registers.bus_accesses != before
             if peer == self.controller:         # since this command, perhaps
@@ -145,15 +147,21 @@ class ControlAgent:
         return gvcp.acknowledge(command, gvcp.SUCCESS, answer)
 
     def tick(self, now):
-        """Take control from a controller that has not been heard of for the heartbeat's time."""
+        """Take control from a controller that has not been heard of for the heartbeat's time.
+
+        One datagram may have a forged sender: until there is a second one, it is not the time that
+        the first one asks for, if that is longer than the default.
+        """
         timeout = self._words[gvcp.register("HeartbeatTimeout").address] / 1000
+        if not self._confirmed:
+            timeout = min(timeout, gvcp.HEARTBEAT_MS / 1000)
         with self._lock:
             if self.controller is not None and now - self._heard > timeout:
                 self._release()
 
     def _release(self):
         self._stream.stop()
-        self.controller = None
+        self.controller, self._confirmed = None, False
         self._tl_locked, self._acquiring, self._mode, self._trigger = 0, False, 0, 0
         self._registers.streaming = self._registers.controlled = False
         for name, value in (("HeartbeatTimeout", gvcp.HEARTBEAT_MS), ("ControlPrivilege", 0),
@@ -184,7 +192,7 @@ class ControlAgent:
     def _readreg(self, payload, peer):
         if not payload or len(payload) % 4 or len(payload) > 4 * gvcp.REGISTERS_MAX:
             raise _Status(gvcp.INVALID_HEADER)
-        return b"".join(self._memory(address, 4)
+        return b"".join(self._memory(address, 4, peer)
                         for address, in struct.iter_unpack(">I", payload))
 
     def _writereg(self, payload, peer):
@@ -202,7 +210,7 @@ class ControlAgent:
         address, _, count = struct.unpack(">IHH", payload)
         if not 4 <= count <= gvcp.MEMORY_BYTES_MAX:
             raise _Status(gvcp.INVALID_PARAMETER)
-        return payload[:4] + self._memory(address, count)
+        return payload[:4] + self._memory(address, count, peer)
 
     def _writemem(self, payload, peer):
         if not 8 <= len(payload) <= 4 + gvcp.MEMORY_BYTES_MAX or len(payload) % 4:
@@ -218,8 +226,8 @@ class ControlAgent:
         _, block, first, last = struct.unpack_from(">HHII", payload)
         first, last = first & 0xFFFFFF, last & 0xFFFFFF
         # A receiver asks from a socket of its own, perhaps, but from the controller's machine.
-        # A request for what is not sent gets no answer: packets are the answer.
-        if not self._acquiring or self.controller is None or peer[0] != self.controller[0]:
+        # A request for what is not stored gets no answer: packets are the answer.
+        if self.controller is None or peer[0] != self.controller[0]:
             return None
         then, budget = self._resend_budget
         now = time.monotonic()
@@ -233,22 +241,24 @@ class ControlAgent:
 
     # Memory.
 
-    def _memory(self, address, count):
-        """``count`` bytes from ``address`` on; both whole words."""
+    def _memory(self, address, count, peer=None):
+        """``count`` bytes from ``address`` on, both whole words, as ``peer`` may see them."""
         if address % 4 or count % 4:
             raise _Status(gvcp.BAD_ALIGNMENT)
         if gvcp.XML_BASE <= address < gvcp.XML_BASE + len(self._xml):
             # A client may read beyond the end to fill its last packet.
             part = self._xml[address - gvcp.XML_BASE:][:count]
             return part.ljust(count, b"\0")
-        return b"".join(self._word(at).to_bytes(4, "big")
+        return b"".join(self._word(at, peer).to_bytes(4, "big")
                         for at in range(address, address + count, 4))
 
-    def _word(self, address):
+    def _word(self, address, peer):
         if address < gvcp.FEATURE_BASE:
             for start, text in self._texts.items():
                 if start <= address < start + len(text):
                     return int.from_bytes(text[address - start:address - start + 4], "big")
+            if address == _SOURCE_PORT and peer != self.controller:
+                return 0        # who knows it can send pictures in this device's name
             if address in self._words:
                 return self._words[address]
             if address < gvcp.DISCOVERY_BYTES:

@@ -33,10 +33,28 @@ class DatagramSender:
     ----------
     udp : socket.socket
         Of IPv4, blocking.
+
+    Attributes
+    ----------
+    unreachable : bool
+        Whether the machine of the last address of :meth:`connect` has answered "port unreachable".
     """
     def __init__(self, udp):
-        self._socket = udp
+        self._socket, self.unreachable = udp, False
         self._many = getattr(ctypes.CDLL(None, use_errno=True), "sendmmsg", None)
+
+    def connect(self, address):
+        """Watch ``address`` (IPv4, port) from now on for :attr:`unreachable`."""
+        try:
+            # The system reports ICMP's "port unreachable" to connected sockets only.
+            self._socket.connect(address)
+            self._socket.getsockopt(socket.SOL_SOCKET, socket.SO_ERROR)     # of what was before
+        except OSError:
+            pass            # no way there: packets are lost, as on a wire
+        self.unreachable = False
+
+    def _lose(self, code):
+        self.unreachable |= code == errno.ECONNREFUSED
 
     def send(self, parts, address):
         """Send one packet, the bytes of ``parts`` in a row, to ``address`` (IPv4, port).
@@ -51,6 +69,7 @@ class DatagramSender:
         except OSError as error:
             if error.errno not in _LOST:
                 raise
+            self._lose(error.errno)
 
     def send_all(self, packets, address):
         """Send ``packets``, a C-contiguous uint8 array (count, bytes of each), in their order.
@@ -83,6 +102,7 @@ class DatagramSender:
             if sent > 0:
                 done += sent
             elif (code := ctypes.get_errno()) in _LOST:
+                self._lose(code)
                 done += 1
             elif code != errno.EINTR:
                 raise OSError(code, os.strerror(code))

@@ -9,11 +9,9 @@ from dataclasses import dataclass
 
 from ncdc_host.device.datagrams import DatagramSender
 from ncdc_spec.protocols import gvsp
-from ncdc_spec.protocols.gvcp import PACKET_UNAVAILABLE
 
 __all__ = ["Receiver", "Stream"]
 
-_RESENDABLE = 16                # blocks that can be sent again: 0.8 s at 20 frames per second
 _LINE_NS_PER_BYTE = 8           # of Gigabit Ethernet, whose pace the packets keep
 _LINE_OVERHEAD = 38             # bytes of a packet on the line without IP: header, FCS, gap
 _TRIGGER_SECONDS = 0.05         # from look to look whether a stream that waits has ended
@@ -87,15 +85,16 @@ class Stream:
         self._lock = threading.Lock()   # of the blocks and of the random generator
 
     def start(self, receiver, single=False, done=lambda: None, triggered=False):
-        """Send every frame from now on, or the next one only; then call ``done``.
+        """Send every frame from now on, or the next one only, and call ``done`` with its end.
+
+        The stream ends as well, with ``done``, when the receiver's port is unreachable.
 
         ``triggered``: each one waits for :meth:`trigger`.
         """
         self.stop()
+        self._sender.connect(receiver.address)
         self._triggers = threading.Event() if triggered else None
         self._receiver, self._block = receiver, 0
-        with self._lock:
-            self._blocks.clear()
         self._stop = threading.Event()
         self._thread = threading.Thread(target=self._run, args=(self._stop, single, done),
                                         daemon=True)
@@ -107,12 +106,17 @@ class Stream:
             self._triggers.set()
 
     def stop(self):
-        """End the stream; the frame under way is cut off."""
+        """End the stream: the frame under way is cut off, and none is sent again."""
         if self._thread is not None:
             self._stop.set()
             if self._thread is not threading.current_thread():
                 self._thread.join()
             self._thread = None
+        self._forget()
+
+    def _forget(self):
+        with self._lock:
+            self._blocks.clear()
 
     def close(self):
         """End the stream for good."""
@@ -125,15 +129,13 @@ class Stream:
         self._sender.send([bytes(receiver.packet_size - 28)], receiver.address)
 
     def resend(self, block, first, last):
-        """Send packets ``first`` to ``last`` of a block again, as far as they are still there."""
+        """Send packets ``first`` to ``last`` of a block again, as far as they are still there.
+
+        They are until :meth:`start` or :meth:`stop`, also after the one frame of a single one.
+        """
         with self._lock:
-            cached = self._blocks.get(block)
-        receiver = self._receiver
-        if receiver is None:
-            return
+            cached, receiver = self._blocks.get(block), self._receiver
         if cached is None:
-            self._sender.send([gvsp.header(block, gvsp.PAYLOAD, first, PACKET_UNAVAILABLE)],
-                              receiver.address)
             return
         frame, payload, packets = cached
         count = 0
@@ -141,6 +143,9 @@ class Stream:
             self._send(self._packet(block, frame, payload, packets, packet), receiver,
                        self._loss_again)
             count += 1
+            if self._sender.unreachable:
+                self._forget()
+                break
         self.resent += count
 
     def _run(self, stop, single, done):
@@ -160,20 +165,25 @@ class Stream:
                 if triggers is None and not single:
                     # The next frame is made while this one is on the line.
                     following = maker.submit(self._camera.following, number, stop)
-                self.send_frame(frame, receiver, stop)
                 if triggers is not None:
-                    triggers.clear()
-                if single:
+                    triggers.clear()        # a receiver may trigger again at the last packet
+                self.send_frame(frame, receiver, stop, done if single else None)
+                if self._sender.unreachable:
                     done()
+                    self._forget()
+                if single or self._sender.unreachable:
                     break
 
-    def send_frame(self, frame, receiver, stop):
-        """Send a frame to a receiver at the pace of the line, until the Event ``stop`` is set."""
+    def send_frame(self, frame, receiver, stop, done=None):
+        """Send a frame to a receiver at the pace of the line, until the Event ``stop`` is set.
+
+        ``done`` is called before the last packet: who has that may begin the next stream.
+        """
         self._block = self._block % 0xFFFF + 1
         payload, packets = gvsp.payload_packets(len(frame.data), receiver.packet_size)
         with self._lock:
             self._blocks[self._block] = frame, payload, packets
-            while len(self._blocks) > _RESENDABLE:
+            while len(self._blocks) > gvsp.STORED_BLOCKS:
                 del self._blocks[next(iter(self._blocks))]
         pace = max(receiver.delay_ns,
                    (receiver.packet_size + _LINE_OVERHEAD) * _LINE_NS_PER_BYTE)
@@ -184,7 +194,7 @@ class Stream:
             early = begin + packet * pace - time.monotonic_ns()
             if early > 0:
                 time.sleep(early / 1e9)
-            if stop.is_set():
+            if stop.is_set() or self._sender.unreachable:
                 return
             count = 0 if full is None or not packet else len(full[packet - 1:packet - 1 + _BATCH])
             if count > 1:
@@ -193,6 +203,8 @@ class Stream:
             else:
                 count = min(_BATCH if full is None else 1, packets + 2 - packet)
                 for number in range(packet, packet + count):
+                    if number > packets and done is not None:
+                        done()
                     self._send(self._packet(self._block, frame, payload, packets, number),
                                receiver, self._loss)
             packet += count

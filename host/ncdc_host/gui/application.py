@@ -5,6 +5,7 @@ import gc
 import os
 import signal
 import sys
+from html import escape
 
 from PySide6.QtCore import QProcess, QTimer
 from PySide6.QtWidgets import QApplication
@@ -49,7 +50,7 @@ class Demo:
         self._say("Preparing two emulated devices …")
 
     def _say(self, text):
-        self._window.welcome.setText(f"<h2>NCDC</h2><p>{text}</p>")
+        self._window.welcome.setText(f"<h2>NCDC</h2><p>{escape(text)}</p>")
 
     def _read(self):
         while self._process.canReadLine():

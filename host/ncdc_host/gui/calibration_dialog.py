@@ -21,6 +21,7 @@ from PySide6.QtWidgets import (
 
 from ncdc_host.gui.calibration import Calibration
 from ncdc_host.gui.file_names import name_to_open
+from ncdc_host.gui.plain_text import PlainLabel, plain_tip
 from ncdc_spec.formats import MAX_NEURONS
 
 __all__ = ["TARGETS", "CalibrationDialog"]
@@ -90,13 +91,13 @@ class CalibrationDialog(QDialog):
         self.picture = _Picture()
         self.picture.setAccessibleName("Raw frame")
         self._show_frame()
-        self.about = QLabel("The raw frame that the device sees now. It should show a calibration "
-                            "target that fills it: a page of dots, a chessboard, circles, "
-                            "ChArUco or an AprilGrid.")
+        self.about = PlainLabel(
+            "The raw frame that the device sees now. It should show a calibration target that "
+            "fills it: a page of dots, a chessboard, circles, ChArUco or an AprilGrid.")
         self.about.setWordWrap(True)
         self.progress = QProgressBar(maximum=1000, textVisible=True)
         self.progress.hide()
-        self.state = QLabel(wordWrap=True, textFormat=Qt.TextFormat.PlainText)
+        self.state = PlainLabel(wordWrap=True)
         self.state.setMinimumHeight(3 * self.fontMetrics().lineSpacing())
         self.state.setAlignment(Qt.AlignmentFlag.AlignTop)
         self.state.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
@@ -118,8 +119,9 @@ class CalibrationDialog(QDialog):
                                "as in chessboard:9x6 (inner corners)")
         highest = self._limits.neurons if self._limits else MAX_NEURONS
         self.neurons = QSpinBox(minimum=1, maximum=highest, value=min(_NEURONS, highest))
-        self.neurons.setToolTip(f"Hidden neurons of the network; this device takes up to "
-                                f"{highest}. More model the lens more closely.")
+        self.neurons.setToolTip(plain_tip(
+            f"Hidden neurons of the network; this device takes up to {highest}. More model the "
+            "lens more closely."))
         form.addRow("&Target", self.target)
         form.addRow("&Neurons", self.neurons)
         self.number = QComboBox()
@@ -128,7 +130,7 @@ class CalibrationDialog(QDialog):
         self.number.setCurrentIndex(active)
         self.number.setToolTip("Nothing of the device changes before you press the button that "
                                "loads the result.")
-        self.file_only = QLabel(f"a file only: {reason}", wordWrap=True)
+        self.file_only = PlainLabel(f"a file only: {reason}", wordWrap=True)
         form.addRow("&Replaces" if self._limits else "Goes into",
                     self.number if self._limits else self.file_only)
         self.previous = QPushButton("an earlier calibration …")

@@ -9,6 +9,7 @@ from ncdc_host.client.device import Rate
 from ncdc_host.client.view_state import CORRECTION
 from ncdc_host.gui.lens_loader import LensLoader
 from ncdc_host.gui.picture_files import PictureFiles
+from ncdc_host.gui.plain_text import plain_tip
 from ncdc_host.gui.session import Session
 from ncdc_host.gui.tab_widgets import TabWidgets
 from ncdc_host.gui.view_steering import ViewSteering
@@ -155,7 +156,7 @@ class DeviceTab(TabWidgets):
             self.messages.show_message(
                 "Another user has control. You can watch as well, or try again when they "
                 "have left.", "warning", self._other_ways(True), lasting=True)
-            self.messages.setToolTip(text)
+            self.messages.setToolTip(plain_tip(text))
         else:
             self._wait("No picture: the device could not be opened.")
             self.messages.show_message(self._sentence(text), "error",
@@ -229,9 +230,10 @@ class DeviceTab(TabWidgets):
         self._silence.start(int(1000 * (_TIMEOUT + (3 / rate.value if rate else 0))))
 
     def _no_picture_came(self):
-        self._wait("No picture comes.\nIf the device goes on to answer, a firewall may keep the "
-                   "pictures away, or packets are too large for the network.",
-                   shade=self.shown is not None)
+        reason = self._sentence(self.session.trouble) if self.session.trouble else (
+            "If the device goes on to answer, a firewall may keep the pictures away, or packets "
+            "are too large for the network.")
+        self._wait(f"No picture comes.\n{reason}", shade=self.shown is not None)
 
     def _picture(self):
         shown = self.session.take()

@@ -14,6 +14,7 @@ from PySide6.QtWidgets import (
 )
 
 from ncdc_host.client import Found
+from ncdc_host.gui.plain_text import PlainLabel, plain_tip
 
 __all__ = ["DevicesPanel"]
 
@@ -30,7 +31,7 @@ class DevicesPanel(QWidget):
     def __init__(self):
         super().__init__()
         title = QLabel("<b>Devices</b>")
-        self.state = QLabel("looking …")
+        self.state = PlainLabel("looking …")
         head = QHBoxLayout()
         head.addWidget(title)
         head.addStretch(1)
@@ -42,7 +43,7 @@ class DevicesPanel(QWidget):
         self.list.itemActivated.connect(self._activated)
         self.list.currentItemChanged.connect(self._enable)
         self.list.customContextMenuRequested.connect(self._menu)
-        self.empty = QLabel(_EMPTY, wordWrap=True)
+        self.empty = PlainLabel(_EMPTY, wordWrap=True)
         QVBoxLayout(self.list.viewport()).addWidget(self.empty)
         self.empty.setAlignment(Qt.AlignmentFlag.AlignTop)
         self.open = QPushButton("Open")
@@ -85,8 +86,8 @@ class DevicesPanel(QWidget):
             item.setData(_URL, one.url)
             item.setData(_FOUND, one)
             item.setSizeHint(QSize(0, 2 * self.fontMetrics().height() + 12))
-            item.setToolTip("\n".join(filter(None, (one.vendor, one.model, one.serial, one.mac,
-                                                    one.url))))
+            item.setToolTip(plain_tip("\n".join(filter(None, (
+                one.vendor, one.model, one.serial, one.mac, one.url)))))
             self.list.addItem(item)
             if one.url == chosen:
                 self.list.setCurrentItem(item)

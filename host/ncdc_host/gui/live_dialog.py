@@ -7,7 +7,6 @@ from PySide6.QtWidgets import (
     QDialog,
     QDialogButtonBox,
     QFormLayout,
-    QLabel,
     QProgressBar,
     QVBoxLayout,
 )
@@ -15,6 +14,7 @@ from PySide6.QtWidgets import (
 from ncdc_host.gui.calibration_dialog import TARGETS
 from ncdc_host.gui.live_calibration import LiveCalibration
 from ncdc_host.gui.live_view import LiveView
+from ncdc_host.gui.plain_text import PlainLabel
 
 __all__ = ["LiveDialog"]
 
@@ -46,7 +46,7 @@ class LiveDialog(QDialog):
         self.setWindowTitle(f"Calibrate live: {name}")
         self.live, self._image, self._pixels = LiveCalibration(self), None, None
         self.view = LiveView()
-        self.state = QLabel(_HELP, wordWrap=True, textFormat=Qt.TextFormat.PlainText)
+        self.state = PlainLabel(_HELP, wordWrap=True)
         self.state.setMinimumHeight(3 * self.fontMetrics().lineSpacing())
         self.state.setAlignment(Qt.AlignmentFlag.AlignTop)
         self.target = QComboBox(editable=True)
@@ -58,7 +58,7 @@ class LiveDialog(QDialog):
         self.gain = QProgressBar(maximum=100, format="-")
         self.gain.setToolTip("Part of the map's uncertainty that a picture of the present pose "
                              "would take off")
-        self.uncertainty = QLabel("-")
+        self.uncertainty = PlainLabel("-")
         form = QFormLayout()
         for text, widget in (("&Target", self.target), ("Covered", self.covered),
                              ("This pose helps", self.gain), ("Uncertainty", self.uncertainty)):

@@ -20,6 +20,7 @@ from ncdc_host.gui.device_tab import DeviceTab
 from ncdc_host.gui.devices_panel import DevicesPanel
 from ncdc_host.gui.live_source import LiveSource
 from ncdc_host.gui.picture_view import MODES
+from ncdc_host.gui.plain_text import plain_tip
 
 __all__ = ["MainWindow"]
 
@@ -228,7 +229,7 @@ class MainWindow(QMainWindow):
         tab.enabled.connect(self._enable)
         tab.panel.setVisible(self.panels["settings"].isChecked())
         self.tabs.setCurrentIndex(self.tabs.addTab(tab, tab.name))
-        self.tabs.setTabToolTip(self.tabs.indexOf(tab), url)
+        self.tabs.setTabToolTip(self.tabs.indexOf(tab), plain_tip(url))
         self._enable()
         return tab
 

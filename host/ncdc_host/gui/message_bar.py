@@ -5,6 +5,7 @@ from PySide6.QtGui import QGuiApplication
 from PySide6.QtWidgets import QFrame, QHBoxLayout, QLabel, QPushButton, QStyle, QToolButton
 
 from ncdc_host.gui.colours import message_colours
+from ncdc_host.gui.plain_text import PlainLabel
 
 __all__ = ["MessageBar"]
 
@@ -20,7 +21,7 @@ class MessageBar(QFrame):
     def __init__(self):
         super().__init__()
         self.setObjectName("messageBar")
-        self._icon, self._label = QLabel(), QLabel()
+        self._icon, self._label = QLabel(), PlainLabel()
         self._label.setWordWrap(True)
         self._label.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
         self._row = QHBoxLayout(self)

@@ -6,21 +6,14 @@ from PySide6.QtCore import QSignalBlocker, Qt, Signal
 from PySide6.QtGui import QValidator
 from PySide6.QtWidgets import QDoubleSpinBox, QHBoxLayout, QSlider, QSpinBox, QWidget
 
+from ncdc_host.gui.careful import Careful
+from ncdc_host.gui.plain_text import plain_tip
+
 __all__ = ["NumberEditor"]
 
 _TICKS = 1000           # of a slider
 _DECIMALS = 3           # that are always shown, if the box has so many
 _WHOLE_MAX = 2**31 - 1  # of Qt's box for whole numbers
-
-
-class _Careful:
-    """Scrolling past a box must not change it: the wheel counts only after a click into it."""
-
-    def wheelEvent(self, event):
-        if self.hasFocus():
-            super().wheelEvent(event)
-        else:
-            event.ignore()
 
 
 class _Limited:
@@ -53,13 +46,13 @@ class _Limited:
         return number if len(decimals) <= self.decimals() else None
 
 
-class _Whole(_Limited, _Careful, QSpinBox):
+class _Whole(_Limited, Careful, QSpinBox):
     def decimals(self):
         """Digits after the point, as of a box for real numbers."""
         return 0
 
 
-class _Real(_Limited, _Careful, QDoubleSpinBox):
+class _Real(_Limited, Careful, QDoubleSpinBox):
     """Shows the decimals that the number has, but no zeros after the third one."""
 
     def textFromValue(self, value):
@@ -70,7 +63,7 @@ class _Real(_Limited, _Careful, QDoubleSpinBox):
         return text
 
 
-class _Slider(_Careful, QSlider):
+class _Slider(Careful, QSlider):
     pass
 
 
@@ -98,7 +91,6 @@ class NumberEditor(QWidget):
             self.box.setDecimals(decimals)
         self.box.setSuffix(f" {unit}" if unit else "")
         self.box.setKeyboardTracking(False)
-        self.box.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
         self.box.setAccessibleName(name)
         self.box.valueChanged.connect(self._box_changed)
         self._log, self.slider = slider == "log", None
@@ -107,7 +99,6 @@ class NumberEditor(QWidget):
         if slider:
             self.slider = _Slider(Qt.Orientation.Horizontal)
             self.slider.setRange(0, _TICKS)
-            self.slider.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
             self.slider.setAccessibleName(name)
             self.slider.setMinimumWidth(60)
             self.slider.valueChanged.connect(self._slider_changed)
@@ -140,7 +131,8 @@ class NumberEditor(QWidget):
         self._slider_high = min(self.box.maximum(), max(slider_high, self.box.value()))
         limits = (self.box.textFromValue(limit) for limit in (self.box.minimum(),
                                                               self.box.maximum()))
-        self.setToolTip(f"{self._about}\nFrom {' to '.join(limits)}{self.box.suffix()}.".strip())
+        self.setToolTip(plain_tip(
+            f"{self._about}\nFrom {' to '.join(limits)}{self.box.suffix()}.".strip()))
         self._show_slider()
 
     def _show_slider(self):

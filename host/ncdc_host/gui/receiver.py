@@ -39,6 +39,11 @@ class Receiver:
         self._end = threading.Event()
         self._thread = threading.Thread(target=self._run, daemon=True)
 
+    @property
+    def trouble(self):
+        """A sentence on the last picture if it was malformed, else empty."""
+        return self._stream.trouble
+
     def start(self):
         """Begin to receive; the callback must be able to take pictures from this object."""
         self._thread.start()

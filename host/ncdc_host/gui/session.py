@@ -158,6 +158,12 @@ class Session(QObject):
         receiver = self._receiver
         return None if receiver is None else receiver.take()
 
+    @property
+    def trouble(self):
+        """A sentence on the last picture if it was malformed, else empty."""
+        receiver = self._receiver
+        return "" if receiver is None else receiver.trouble
+
     def close(self):
         """Give control back and end; ``closed`` is emitted then."""
         self._jobs.put(None)

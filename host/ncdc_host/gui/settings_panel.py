@@ -9,13 +9,14 @@ from PySide6.QtWidgets import (
     QFormLayout,
     QGridLayout,
     QGroupBox,
-    QLabel,
     QVBoxLayout,
     QWidget,
 )
 
 from ncdc_host.client.view_state import CORRECTION, WINDOW
+from ncdc_host.gui.careful import Careful
 from ncdc_host.gui.number_editor import NumberEditor
+from ncdc_host.gui.plain_text import PlainLabel
 from ncdc_host.gui.shown_views import LAYOUT, SELECTOR, ShownViews
 
 __all__ = ["SettingsPanel"]
@@ -35,14 +36,8 @@ _SLIDER_MAX_MS = 1000   # of the exposure: longer ones are typed
 _SLACK = 1e-6           # of a line
 
 
-class _Box(QComboBox):
-    """The wheel counts only after a click."""
-
-    def wheelEvent(self, event):
-        if self.hasFocus():
-            super().wheelEvent(event)
-        else:
-            event.ignore()
+class _Box(Careful, QComboBox):
+    pass
 
 
 class SettingsPanel(QWidget):
@@ -112,7 +107,7 @@ class SettingsPanel(QWidget):
             editor = self.window[name] = NumberEditor(label)
             editor.box.setMinimumWidth(64)
             editor.edited.connect(lambda value, name=name: self.changed.emit(name, int(value)))
-            grid.addWidget(QLabel(label), k // 2, 2 * (k % 2))
+            grid.addWidget(PlainLabel(label), k // 2, 2 * (k % 2))
             grid.addWidget(editor, k // 2, 2 * (k % 2) + 1)
         for column in (1, 3):
             grid.setColumnStretch(column, 1)

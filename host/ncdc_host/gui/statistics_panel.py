@@ -1,6 +1,8 @@
 """Counters and rates of a stream."""
 
-from PySide6.QtWidgets import QFormLayout, QGroupBox, QLabel
+from PySide6.QtWidgets import QFormLayout, QGroupBox
+
+from ncdc_host.gui.plain_text import PlainLabel, plain_tip
 
 __all__ = ["StatisticsPanel"]
 
@@ -24,10 +26,10 @@ class StatisticsPanel(QGroupBox):
         form = QFormLayout(self)
         self.values = {}
         for key, (name, text) in _ROWS.items():
-            value = self.values[key] = QLabel("–")
-            label = QLabel(name)
+            value = self.values[key] = PlainLabel("–")
+            label = PlainLabel(name)
             for widget in (label, value):
-                widget.setToolTip(text)
+                widget.setToolTip(plain_tip(text))
             form.addRow(label, value)
 
     def show_counts(self, statistics, frame_bytes):

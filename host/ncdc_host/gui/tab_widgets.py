@@ -4,7 +4,6 @@ from PySide6.QtCore import Qt
 from PySide6.QtWidgets import (
     QGroupBox,
     QHBoxLayout,
-    QLabel,
     QScrollArea,
     QSplitter,
     QVBoxLayout,
@@ -16,6 +15,7 @@ from ncdc_host.gui.histogram_view import HistogramView
 from ncdc_host.gui.lens_panel import LensPanel
 from ncdc_host.gui.message_bar import MessageBar
 from ncdc_host.gui.picture_view import PictureView
+from ncdc_host.gui.plain_text import PlainLabel
 from ncdc_host.gui.settings_panel import SettingsPanel
 from ncdc_host.gui.statistics_panel import StatisticsPanel
 from ncdc_host.gui.view_bar import ViewBar
@@ -34,7 +34,7 @@ class TabWidgets(QWidget):
         self.view, self.bar, self.messages = PictureView(), ViewBar(), MessageBar()
         self.histogram, self.settings = HistogramView(), SettingsPanel()
         self.lenses, self.statistics = LensPanel(), StatisticsPanel()
-        self.foot, self.pixel, self.rate = ElidedLabel(), QLabel(), QLabel()
+        self.foot, self.pixel, self.rate = ElidedLabel(), PlainLabel(), PlainLabel()
         # As wide as what it mostly says: digits that come and go move nothing.
         self.rate.setMinimumWidth(self.rate.fontMetrics().horizontalAdvance(_WIDEST))
         self.rate.setAlignment(Qt.AlignmentFlag.AlignRight)

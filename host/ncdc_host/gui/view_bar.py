@@ -4,7 +4,6 @@ from PySide6.QtCore import Qt, Signal
 from PySide6.QtWidgets import (
     QButtonGroup,
     QHBoxLayout,
-    QLabel,
     QSizePolicy,
     QToolButton,
     QWidget,
@@ -12,6 +11,7 @@ from PySide6.QtWidgets import (
 
 from ncdc_host.gui.flow_layout import FlowLayout
 from ncdc_host.gui.picture_view import MODES
+from ncdc_host.gui.plain_text import PlainLabel
 
 __all__ = ["ViewBar"]
 
@@ -59,7 +59,7 @@ class ViewBar(QWidget):
         row = QHBoxLayout(group)
         row.setContentsMargins(6, 0, 0, 0)
         row.setSpacing(4)
-        self.scale = QLabel(alignment=Qt.AlignmentFlag.AlignCenter)
+        self.scale = PlainLabel(alignment=Qt.AlignmentFlag.AlignCenter)
         self.scale.setFixedWidth(self.scale.fontMetrics().horizontalAdvance("3200 %"))
         self.zoom_out = QToolButton(text="−", toolTip="Smaller (−)")
         self.zoom_in = QToolButton(text="+", toolTip="Larger (+)")

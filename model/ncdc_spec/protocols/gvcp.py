@@ -11,7 +11,7 @@ __all__ = ["ACCESS_DENIED", "BAD_ALIGNMENT", "BOOTSTRAP", "BUSY", "CAPABILITY", 
            "DEVICE_ERROR", "Command", "DISCOVERY", "DISCOVERY_BYTES", "FEATURE_BASE", "FORCEIP",
            "FORCE_IP", "HEARTBEAT_MAX_MS", "HEARTBEAT_MIN_MS", "HEARTBEAT_MS", "INVALID_ADDRESS",
            "INVALID_HEADER", "INVALID_PARAMETER", "KEY", "MEMORY_BYTES_MAX", "NOT_IMPLEMENTED",
-           "PACKETRESEND", "PACKET_UNAVAILABLE", "PENDING_ACK", "PENDING_MS", "PORT", "Register",
+           "PACKETRESEND", "PENDING_ACK", "PENDING_MS", "PORT", "Register",
            "READMEM", "READREG", "REGISTERS_MAX", "SCPS_DO_NOT_FRAGMENT", "SCPS_FIRE", "SUCCESS",
            "WRITEMEM", "WRITEREG", "WRITE_PROTECT", "XML_BASE", "XML_NAME", "acknowledge",
            "command_packet", "parse_acknowledge", "parse_command", "pending_acknowledge",
@@ -27,7 +27,7 @@ PENDING_ACK = 0x0089            # an acknowledge itself: "not yet, wait so many 
 SUCCESS = 0x0000
 NOT_IMPLEMENTED, INVALID_PARAMETER, INVALID_ADDRESS = 0x8001, 0x8002, 0x8003
 WRITE_PROTECT, BAD_ALIGNMENT, ACCESS_DENIED, BUSY = 0x8004, 0x8005, 0x8006, 0x8007
-PACKET_UNAVAILABLE, INVALID_HEADER, DEVICE_ERROR = 0x800C, 0x800E, 0x8FFE
+INVALID_HEADER, DEVICE_ERROR = 0x800E, 0x8FFE
 
 KEY = 0x42                      # begins each command
 _ANSWER = 0x01                  # flag: the sender wants an acknowledge
@@ -122,7 +122,8 @@ BOOTSTRAP = (
     Register("StreamPacketDelay", 0x0D08, 4, "rw", "nanoseconds between two packets"),
     Register("StreamAddress", 0x0D18, 4, "rw", "IPv4 address of the receiver, or a multicast "
              "group"),
-    Register("StreamSourcePort", 0x0D1C, 4, "ro", "UDP port that the stream comes from"),
+    Register("StreamSourcePort", 0x0D1C, 4, "ro", "UDP port that the stream comes from; of the "
+             "emulated device 0 for whoever has no control"),
     Register("EepromStatus", 0xA000, 4, "ro", "feature of that name; the first of the addresses "
              "that are the manufacturer's"),
 )

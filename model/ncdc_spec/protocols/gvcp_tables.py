@@ -57,8 +57,6 @@ STATUSES = (
     Status("ACCESS_DENIED", gvcp.ACCESS_DENIED, "the sender has no control; a feature is locked; "
            "no receiver that is allowed"),
     Status("BUSY", gvcp.BUSY, "the sensor's bus works for another command"),
-    Status("PACKET_UNAVAILABLE", gvcp.PACKET_UNAVAILABLE, "of a packet of a stream: it is no "
-           "longer stored"),
     Status("INVALID_HEADER", gvcp.INVALID_HEADER, "the payload's length does not fit the command"),
     Status("DEVICE_ERROR", gvcp.DEVICE_ERROR, "the sensor does not answer"),
 )

@@ -5,15 +5,15 @@ import struct
 import numpy as np
 
 __all__ = ["HEADERS_BYTES", "HEADER_FIELDS", "IMAGE", "LEADER", "LEADER_FIELDS", "MAX_PACKET",
-           "MIN_PACKET",
-           "PAYLOAD", "PAYLOAD_STEP", "TRAILER", "TRAILER_FIELDS", "full_packets", "header",
-           "leader", "packet_size", "payload_packets", "trailer"]
+           "MIN_PACKET", "PAYLOAD", "PAYLOAD_STEP", "STORED_BLOCKS", "TRAILER", "TRAILER_FIELDS",
+           "full_packets", "header", "leader", "packet_size", "payload_packets", "trailer"]
 
 LEADER, TRAILER, PAYLOAD = 1, 2, 3      # the format byte
 IMAGE = 0x0001                          # payload type
 HEADERS_BYTES = 20 + 8 + 8              # IP, UDP and GVSP, all counted in a packet's size
 MIN_PACKET = 576                        # bytes with headers that a client may ask for at least
 MAX_PACKET = 16380                      # and at most; a device sends the next smaller it has
+STORED_BLOCKS = 2                       # for PACKETRESEND: the picture sent last, the one before
 PAYLOAD_STEP = 16                       # bytes of a picture in a packet are a multiple of it
 
 # The packets of a picture: (bytes, meaning) of each field.

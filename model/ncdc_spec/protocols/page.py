@@ -19,13 +19,13 @@ def protocols_doc():
     return page.format(
         tcp_port=table_one.TCP_PORT, unknown=table_one.UNKNOWN, users=table_one.MAX_USERS,
         page=table_one.SYSTEM_PAGE, header=table_two.HEADER_BYTES, port=gvcp.PORT,
-        registers=gvcp.REGISTERS_MAX,
+        registers=gvcp.REGISTERS_MAX, heartbeat=gvcp.HEARTBEAT_MS,
         idle=table_one.IDLE_SECONDS,
         sensors=_rows(_sensors()), names=" | ".join(one.name for one in _SENSORS),
         lines="|---" * (1 + len(_SENSORS)),
         memory=gvcp.MEMORY_BYTES_MAX,
         feature_base=gvcp.FEATURE_BASE, xml_base=gvcp.XML_BASE,
-        corrector_base=gvcp.CORRECTOR_BASE, headers=gvsp.HEADERS_BYTES,
+        corrector_base=gvcp.CORRECTOR_BASE, headers=gvsp.HEADERS_BYTES, stored=gvsp.STORED_BLOCKS,
         commands=_rows((f"0x{c.code:02X}", c.address, c.data, c.text, c.answer)
                        for c in table_one.COMMANDS),
         words=_rows((f"0x{w.address:04X}", f"`{w.name}`", w.access, w.text)
