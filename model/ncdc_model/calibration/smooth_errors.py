@@ -27,7 +27,7 @@ _LEAST = 1e-3          # pixels: standard deviation of exact points
 # flaws would absorb a bent page, or an uneven lens.
 _WORTH = 2.0
 _FORMS = 6             # further terms of decentring and thin prism
-_FORM, _TINY = 0.5, 3e-5        # their usual size, in parts of the decentring, and at least
+_FORM, _TINY = 0.25, 1e-5       # their usual size, in parts of the decentring, and at least
 _PROBE = 1e-5          # of such a term: step of a derivative
 
 
