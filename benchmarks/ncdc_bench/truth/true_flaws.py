@@ -30,7 +30,7 @@ def true_roll(lens, page, frame):
 
     The frame says where on the page it has measured: a detector may begin at any corner.
     """
-    middle = frame.index[frame.photo == 0].mean(axis=0)
+    middle = frame.cells[0].mean(axis=0)
     ends = np.column_stack([middle + np.array([[-.5, 0], [.5, 0]]), np.ones(2)])
     corrected = ends @ frame.homographies[0].T
     xy = np.stack(frame.camera.back_map(*(corrected[:, :2] / corrected[:, 2:]).T), axis=1)

@@ -151,7 +151,7 @@ def _lens(size, vector, near):
 
 def estimate_of(size, photos, fit):
     """:class:`Estimate` of a fit of ``photos``, whose page may have a cylinder's and a saddle's
-    bend of :data:`USUAL` size on each, and whose lens may have further terms of its decentring."""
+    bend of :data:`USUAL` size on each, and whose lens may have the terms of :func:`forms`."""
     every = Problem(size, photos)
     problem = every.part(_MOST)
     some = list(zip(problem.indices, problem.points))

@@ -12,12 +12,20 @@ independent residuals give.
 """
 
 from dataclasses import dataclass
+from types import SimpleNamespace
 
 import numpy as np
 
 from ncdc_model.calibration.smooth_problem import ROBUST, SPREAD, deviation
-from ncdc_model.calibration.smooth_vector import DECENTRING, FLAWS, LENS, lens_of, project
-from ncdc_model.lens import BrownWeng
+from ncdc_model.calibration.smooth_vector import (
+    DECENTRING,
+    FLAWS,
+    LENS,
+    TERMS,
+    lens_of,
+    project,
+)
+from ncdc_model.lens import BrownWeng, KannalaBrandt
 
 __all__ = ["Estimate", "forms", "shown"]
 
@@ -92,19 +100,24 @@ class Estimate:
 
 
 def forms(problem, vector):
-    """Derivatives (6, 2 n) of the residuals by further terms of decentring and thin prism, whose
-    form differs from lens to lens, and their usual sizes (6,).
+    """Derivatives (8, 2 n) of the residuals by terms that the smooth lens lacks, and their usual
+    sizes (8,): the form of a lens differs from one kind to the next.
 
-    The terms are those of :class:`BrownWeng` times q and q^2. A lens whose decentring acts on
-    ideal coordinates, as in OpenCV's model, has them.
+    They are two further terms of the radial polynomial, and those of :class:`BrownWeng` times q
+    and q^2. A lens whose decentring acts on ideal coordinates, as in OpenCV's model, has them.
     """
     lens, rays = lens_of(vector), problem.rays(vector)
     plain, rows = np.stack(project(lens, *rays), axis=1).ravel(), []
+
+    def change(**parts):
+        changed = SimpleNamespace(**vars(lens) | parts)
+        rows.append((np.stack(project(changed, *rays), axis=1).ravel() - plain) / _PROBE)
+    for further in ((_PROBE,), (0.0, _PROBE)):
+        change(radial=KannalaBrandt((*lens.radial.k, *further)))
     for number in range(_FORMS):
-        lens.decentring = _Further(lens_of(vector).decentring, number)
-        rows.append((np.stack(project(lens, *rays), axis=1).ravel() - plain) / _PROBE)
-    along = np.hypot(*vector[DECENTRING][:2])
-    return np.nan_to_num(rows), np.full(_FORMS, _FORM * along + _TINY)
+        change(decentring=_Further(lens.decentring, number))
+    along = _FORM * np.hypot(*vector[DECENTRING][:2]) + _TINY
+    return np.nan_to_num(rows), np.array([SPREAD[2 + TERMS]] * 2 + [along] * _FORMS)
 
 
 @dataclass(frozen=True)
