@@ -113,6 +113,6 @@ def test_corners_of_boards_are_where_the_truth_says(capsys, target):
     assert row["corner_rms_px"] < 0.08 and row["corner_max_px"] < 0.4
 
 
-def test_there_are_so_many_photos_of_a_target():
+def test_there_are_so_many_photos_of_a_target(capsys):
     with pytest.raises(InputError, match="--photos is 4, of dots there are at most 3"):
-        command.run(argparse.Namespace(neurons=8, only="", target="dots", sides=4))
+        report_of(capsys, "--photos", "4")

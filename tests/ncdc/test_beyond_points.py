@@ -94,7 +94,7 @@ def test_the_report_and_the_lot_warn(monkeypatch, capsys):
     monkeypatch.setattr("ncdc.lot.work.detect_points", lambda images, target: points)
     monkeypatch.setattr("ncdc.lot.work._first_picture", lambda *_: b"")
     monkeypatch.setattr("ncdc.lot.work._shown", lambda *_: np.zeros((240, 320, 3), np.uint8))
-    monkeypatch.setattr("ncdc.lot.work._image", lambda path: None)
+    monkeypatch.setattr("ncdc.lot.work._image", lambda *_: np.zeros((240, 320), np.uint8))
     open("page.png", "wb").write(b"page")
     done = process(["page.png"], Request("chessboard", neurons=4))
     assert not done.error and done.warnings.count(sentence) == 1

@@ -100,8 +100,9 @@ def test_a_worker_with_other_code_is_rejected_by_name(units, tmp_path, capsys):
         [folder] = import_module(package).__path__
         shutil.copytree(folder, altered / package, ignore=shutil.ignore_patterns("__pycache__"))
     source = altered / "ncdc_model" / "flaw_figures.py"
-    source.write_text(source.read_text().replace("return float((np.degrees(",
-                                                 "return 42.0 + float(0 * (np.degrees("))
+    text = source.read_text().replace("roll_deg=roll,", "roll_deg=42.0,")
+    assert text != source.read_text()
+    source.write_text(text)
     paths = os.pathsep.join([str(altered), *filter(None, [os.environ.get("PYTHONPATH")])])
     with cluster(0) as processes:
         processes.start_worker(PYTHONPATH=paths)
