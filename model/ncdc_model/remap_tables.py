@@ -84,7 +84,7 @@ class PlaneMaps:
         """The map of a plane with a sample for so many ``rows`` and ``columns`` of pixels.
 
         A sample lies on the first of its columns, and between its two rows: where H.264, H.265,
-        VP9 and AV1 take it to be unless they are told otherwise.
+        VP9 and AV1 take it to be unless a tag says otherwise.
         """
         if (rows, columns) not in self._maps:
             map_x, map_y, blank = (part[:, ::columns] for part in self._maps[1, 1])

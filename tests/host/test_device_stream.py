@@ -186,7 +186,7 @@ def test_a_stream_ends_when_nobody_listens(loss):
         for block in range(1, 9):
             user.resend(block, 0, 5)
         assert one.stream.sent == sent
-        # Somebody does again, at another port.
+        # A receiver does again, at another port.
         with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as receiver:
             receiver.bind(("127.0.0.1", 0))
             receiver.settimeout(5)

@@ -57,15 +57,15 @@ def test_points_of_raw_frames_are_of_green_and_red_and_blue_are_told(gains, patt
                            "chessboard:10x7")
     far = off(points.photos[0].xy, truth)
     assert np.sqrt(np.mean(far**2)) < 0.08 and far.max() < 0.3
-    told = points.colour
-    assert told["points_of"] == "green sites" and told["points"] > 40
+    colour = points.colour
+    assert colour["points_of"] == "green sites" and colour["points"] > 40
     # A filter that no file declares is known but for red and blue.
-    first, second = sorted((told["red_px"], told["blue_px"]), reverse=declared != pattern)
+    first, second = sorted((colour["red_px"], colour["blue_px"]), reverse=declared != pattern)
     if declared:
-        first, second = told["red_px"], told["blue_px"]
+        first, second = colour["red_px"], colour["blue_px"]
     assert first == pytest.approx((RED - 1) * CORNER, abs=0.2)
     assert second == pytest.approx((BLUE - 1) * CORNER, abs=0.2)
-    assert max(told["red_error_px"], told["blue_error_px"]) < 0.1
+    assert max(colour["red_error_px"], colour["blue_error_px"]) < 0.1
 
 
 def test_points_are_of_all_sites_where_red_and_blue_lie_at_the_same_places():

@@ -5,16 +5,14 @@ import json
 from dataclasses import replace
 from fractions import Fraction
 
+import av
 import cv2
 import numpy as np
 import pytest
+from av.sidedata.sidedata import Type
 
-av = pytest.importorskip("av")
-
-from av.sidedata.sidedata import Type  # noqa: E402
-
-from cameras import barrel_descriptor  # noqa: E402
-from films import (  # noqa: E402
+from cameras import barrel_descriptor
+from films import (
     COUNT,
     HDR,
     HLG,
@@ -29,11 +27,11 @@ from films import (  # noqa: E402
     scene,
     shown,
 )
-from ncdc.cli import main  # noqa: E402
-from ncdc_model.film import writing_film  # noqa: E402
-from ncdc_model.film.look import planes_of  # noqa: E402
-from ncdc_model.remap_tables import PlaneMaps, remap_tables  # noqa: E402
-from ncdc_spec.interpolation import GRADIENT  # noqa: E402
+from ncdc.cli import main
+from ncdc_model.film import writing_film
+from ncdc_model.film.look import planes_of
+from ncdc_model.remap_tables import PlaneMaps, remap_tables
+from ncdc_spec.interpolation import GRADIENT
 
 MASTERING = "G(13250,34500)B(7500,3000)R(34000,16000)WP(15635,16450)L(10000000,50)"
 QUIET = "log-level=none"

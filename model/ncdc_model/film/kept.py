@@ -15,7 +15,7 @@ __all__ = ["DATA", "Facts", "copied_metadata", "is_cover", "left_out", "other_st
 # Written by the program that made a file, about that file.
 _OF_THE_FILE = ("encoder", "major_brand", "minor_version", "compatible_brands", "vendor_id",
                 "handler_name", "duration", "creation_time", "software")
-_HEARD = 0.03           # seconds of sound before or after its picture that nobody notices
+_HEARD = 0.03           # seconds of sound before or after its picture that is not noticed
 _NAMES = {"color_range": "range", "colorspace": "matrix", "color_primaries": "primaries",
           "color_trc": "transfer"}
 
